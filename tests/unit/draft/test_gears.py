@@ -385,3 +385,13 @@ def test_a_rack_on_what_slides_along_it_is_fixed() -> None:
     found = inferred(*nodes, part("a4", rack(9, 1.5, 6), 4, 12, 24), *bushes)
     assert [kind for kind, *_ in joints(found)].count("prismatic") == 1
     assert any({"jaw", "a4"} <= link for link in links(found))
+
+
+def test_fingers_whose_teeth_mesh_turn_on_a_screw_each() -> None:
+    """Two geared fingers on a plate, each on a screw, one of them in the hole of a servo that is not drawn."""
+    plate, gear = box(90, 40, 4).at(0, 0, 2) - cylinder(1.5, 4).at(18, 0, 0) - cylinder(6.6, 4).at(-18, 0, 0), 36
+    finger = fused(toothed(24, 1.5, 6), box(12, 60, 6).at(0, 0.5 * gear + 20, 3).shape, less=cylinder(1.5, 6).shape)
+    screw = cylinder(1.5, 10) + cylinder(2.7, 3).at(0, 0, 10)
+    tree = [part("plate", plate), part("screw M3", screw, 18), part("screw M3x", screw, -18)]
+    tree += [part(name, finger, x, z=4, rpy=(0, 0, turn)) for name, x, turn in (("left", 18, 0), ("right", -18, 0.131))]
+    assert len(joints(inferred(group("palm", part("block", box(90, 40, 60).at(0, 0, -30))), group("grip", *tree)))) == 2

@@ -4,6 +4,7 @@ from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.robot.model import JointKind
 from tests.assembled import assembled, group, inferred, joints, links, part
+from tests.made.kit import across
 from tests.solids import box, cylinder
 
 CHASSIS = box(400, 200, 80)
@@ -90,3 +91,15 @@ def test_a_block_that_is_screwed_to_two_plates_joins_them() -> None:
         assembled(*plates, part("femur spacer", spacer, z=17), part("spacer", cylinder(4, 5), x=60)), ALL_SOURCES
     )
     assert [survey.parts[i].path for i in survey.small] == ["spacer"]
+
+
+def test_both_sides_of_a_fork_are_on_what_they_stand_beside() -> None:
+    """Two cheeks drawn 0.1 mm above a table, with what turns between them, are one with the table."""
+    cheek, stub = box(50, 6, 90).at(0, 0, 45) - across(5, 20, z=70), across(4.95, 16)
+    cradle = box(60, 70, 40).at(0, 0, 70) - across(5, 100, z=70)
+    sides = [part(f"cheek {y}", cheek, 0, y, 0.1) for y in (-40, 40)]
+    stubs = [part(f"stub {y}", stub, 0, y, 70.1) for y in (-38, 38)]
+    found = inferred(part("table", box(160, 160, 20), z=-10), *sides, *stubs, part("cradle", cradle, z=0.1))
+    kinds = [kind for kind, *_ in joints(found)]
+    assert kinds == ["revolute"]
+    assert any({"cheek -40", "cheek 40"} <= link for link in links(found))

@@ -4,7 +4,8 @@ from math import pi
 
 import pytest
 
-from tests.assembled import Node, cut, group, inferred, joints, links, part, turned
+from tests.assembled import BARE, Node, cut, group, inferred, joints, links, part, turned
+from tests.made.kit import TO_X, across, at, circle, drilled
 from tests.solids import box, cylinder, joined
 
 ALONG_Y = (pi / 2, 0, 0)
@@ -54,3 +55,24 @@ def test_a_tool_flange_at_the_end_of_a_chain_turns(holes: int, screws: int) -> N
     found = inferred(part("a", base), part("b", arm), part("c", flange), *nodes)
     turning = [arc for arc in found.arcs if "c" in links(found)[arc.child] and len(links(found)) == 3]
     assert [bool(arc.evidence.review) for arc in turning] == ([True] if holes and not screws else [])
+
+
+def test_a_chain_of_castings_with_a_motor_and_a_flange() -> None:
+    """Bodies that meet at round flanges turn there, also with a motor on the same line, and so does a tool flange."""
+    upper = across(50, 60) + box(80, 50, 240).at(0, 0, 120)
+    lower = box(200, 200, 60).at(0, 60, -80) + box(60, 60, 60).at(0, 60, -30) + across(50, 60).at(0, 60, 0)
+    fore = across(50, 60).at(0, 60, 240) + box(200, 50, 60).at(100, 60, 240)
+    top = upper + across(50, 60).at(0, 0, 240)
+    motor = across(20, 40).at(0, 110, 240) + box(20, 20, 20).at(0, 135, 250)
+    neck = cylinder(20, 30).moved(at(200, 60, 240) @ TO_X)
+    flange = drilled(cylinder(20, 8), *circle(6, 14, 2.0)).moved(at(230, 60, 240) @ TO_X)
+    found = inferred(
+        *(part("lower", lower), part("upper", top), part("fore", fore + neck)),
+        *(part("motor", motor), part("flange", flange)),
+        sources=BARE,
+    )
+    assert joints(found) == [
+        ("revolute", "flange", "fore"),
+        ("revolute", "fore", "upper"),
+        ("revolute", "lower", "upper"),
+    ]

@@ -114,3 +114,32 @@ def test_what_holds_the_flange_of_a_motor_does_not_turn() -> None:
     plate = box(100, 60, 2).at(20, 0, 1) - cylinder(11, 2)
     found = inferred(part("base", box(200, 60, 5), z=-60), part("motor NEMA17", motor), part("plate", plate))
     assert joints(found) == []
+
+
+def test_the_boss_of_a_servo_in_a_bore_holds_it() -> None:
+    """Servos of one solid whose bosses are in bores with play, thinner shafts beyond, are of what has the bores."""
+    servo = box(23, 12, 22).at(-5.5, 0, -11) + box(32, 12, 2.5).at(-5.5, 0, -6) + cylinder(5.5, 4) + cylinder(2.4, 7)
+    body, leg = box(120, 80, 4).at(0, 0, 3), box(30, 24, 40).at(0, 0, 32) - cylinder(3.6, 10).at(0, 0, 12)
+    for y in (-20, 20):
+        body = body - cylinder(5.8, 6).at(0, y, 0)
+    horn = cylinder(3.55, 3.9).at(0, 0, 12) - cylinder(2.4, 3).at(0, 0, 12)
+    nodes = [part(f"{name} {y}", one, y=y) for y in (-20, 20) for name, one in (("SG90", servo), ("leg", leg))]
+    nodes += [part(f"horn {y}", horn, y=y) for y in (-20, 20)]
+    found = inferred(part("body", body), *nodes)
+    assert {"body", "SG90 -20", "SG90 20"} in links(found)
+
+
+def test_a_plate_under_the_teeth_of_a_pinion_is_not_on_it() -> None:
+    """A pinion on a motor reaches over the plate that its wheel is on: the plate does not turn with it."""
+    motor = box(42, 42, 40).at(0, 0, -20) + cylinder(11, 2) + cylinder(2.5, 24)
+    for x, y in ((15.5, 15.5), (15.5, -15.5), (-15.5, 15.5), (-15.5, -15.5)):
+        motor = motor - cylinder(1.5, 5).at(x, y, -5)
+    base = box(300, 80, 5).at(60, 0, 2.5) - cylinder(11.1, 5)
+    for x, y in ((15.5, 15.5), (15.5, -15.5), (-15.5, 15.5), (-15.5, -15.5)):
+        base = base - cylinder(1.6, 5).at(x, y, 0)
+    base = base - cylinder(20.1, 5).at(94, 0, 0)
+    table = cylinder(78, 4).at(94, 0, 8) + cylinder(20, 8).at(94, 0, 0) + box(60, 10, 60).at(94, 0, 42)
+    pinion = cylinder(20, 8).at(0, 0, 12) - cylinder(2.5, 8).at(0, 0, 12)
+    tree = group("base unit", part("base", base), part("Nema 17 motor", motor), part("motor pinion", pinion))
+    found = inferred(tree, group("table unit", part("table", table)))
+    assert not any("table unit/table" in link and "base unit/motor pinion" in link for link in links(found))

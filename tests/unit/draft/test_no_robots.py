@@ -122,3 +122,16 @@ def test_feet_in_the_ends_of_equal_bars_are_no_outputs(sources: Sources) -> None
     rails = [part("rail", box(180, 20, 20), 0, y, 190) for y in (-100, 100)]
     found = inferred(*bars, *feet, *rails, part("top", box(240, 240, 10), z=205), sources=sources)
     assert [h.why for h in (arc.evidence for arc in found.arcs) if h.type != JointKind.FIXED] == []
+
+
+@SOURCES
+def test_feet_on_one_ground_do_not_turn(sources: Sources) -> None:
+    """Four feet with smooth stems in the uprights of a frame, of exactly their width, stand and turn about none."""
+    foot = cylinder(15, 10) + cylinder(8, 10).at(0, 0, 10) + cylinder(2.1, 30).at(0, 0, 10)
+    places = [(x, y) for x in (-150, 150) for y in (-150, 150)]
+    upright = box(20, 20, 600).at(0, 0, 320) - cylinder(2.1, 600).at(0, 0, 20)
+    shelf = part("shelf", box(280, 280, 6), z=400)
+    frame = [part(f"upright {n}", upright, x, y) for n, (x, y) in enumerate(places)]
+    bars = [part(f"bar {x}", box(20, 280, 20), x, z=387) for x in (-150, 150)]
+    feet = [part(f"foot {n}", foot, x, y) for n, (x, y) in enumerate(places)]
+    assert joints(inferred(group("frame", *frame, *bars, shelf), group("feet", *feet), sources=sources)) == []

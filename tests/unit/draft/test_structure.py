@@ -81,3 +81,38 @@ def test_bodies_of_one_part_on_different_links_are_no_single_part(are_screwed: b
     bodies = [part(f"body {n}", cover) for n, cover in enumerate(covers)]
     found = inferred(part("base", base), part("arm", arm), Node("covers", children=bodies, has_bodies=True))
     assert links(found) == [{"base", "covers/body 1"}, {"arm", "covers/body 0"}]
+
+
+QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+def actuator(name: str, x: float, z: float) -> Node:
+    """A housing with a spigot's bore and a flange in it, each with holes for screws."""
+    case, output = cylinder(32, 55) - cylinder(25, 12).at(0, 0, 45), cylinder(24.9, 16).at(0, 0, 45.1)
+    for a, b in QUARTERS:
+        case, output = case - cylinder(2, 10).at(26 * a, 26 * b, 0), output - cylinder(1.6, 30).at(15 * a, 15 * b, 40)
+    return group(name, part("housing", case, x, z=z), part("flange", output, x, z=z))
+
+
+def test_actuators_bought_as_a_whole_have_a_joint_each() -> None:
+    """What turns in each other in one subassembly is two links if each side is fastened to a part of its own."""
+    arm = box(220, 66, 8).at(70, 0, 65.1)
+    for a, b in QUARTERS:
+        arm = arm - cylinder(1.6, 30).at(15 * a, 15 * b, 50) - cylinder(2, 30).at(140 + 26 * a, 26 * b, 50)
+    stand = box(100, 100, 20).at(0, 0, -10)
+    parts = part("stand", stand), part("arm", arm), part("fore", arm, 140, z=69.1)
+    found = inferred(*parts, actuator("one", 0, 0), actuator("two", 140, 69.1))
+    assert len(joints(found)) == 2
+    assert {"arm", "one/flange", "two/housing"} in links(found)
+
+
+def test_three_equal_pieces_are_a_list() -> None:
+    """A subassembly of feet that touch a frame each, and not each other, is no link."""
+    foot = cylinder(15, 10) + cylinder(4, 20).at(0, 0, 10)
+    places = [(x, y) for x in (-100, 100) for y in (-80, 80)]
+    frame = box(260, 200, 20).at(0, 0, 20)
+    for x, y in places:
+        frame = frame - cylinder(4, 60).at(x, y, 0)
+    feet = group("feet", *(part(f"foot {n}", foot, x, y) for n, (x, y) in enumerate(places)))
+    found = structure(group("machine", part("frame", frame), part("cabinet", box(200, 150, 300), z=180)), feet)
+    assert not found.are_together(5, 6)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.contacts.teeth import Gear, Mesh, RackMesh
 from stepbot.draft.draft import CHOSEN
@@ -13,6 +14,7 @@ from stepbot.robot.model import JointKind
 _REVIEW = "a gear that meshes with another one; no shaft is drawn"
 _OF_RACK = "a rack that meshes with a gear: it slides along its teeth"
 _TURNS_ON = "a gear that meshes with what turns in the other part"
+_ON_SCREW = "a gear that meshes, and that one screw or pin alone holds"
 _REVIEW_ON = "what holds the one gear would lock the other one"
 _SCORE, _APART, _KEYED = 0.7, 0.8, 0.9
 """Scores of a joint of a gear, of two gears that mesh being no link, and of a gear on a shaft that turns."""
@@ -52,7 +54,7 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
         found.apart.append(Apart(_APART, a, b))
         _free_from_hosts(survey, mesh, found)
     for gear in {gear.part: gear for mesh in survey.meshes for gear in (mesh.one, mesh.two)}.values():
-        on_axis = any(r.turns is not None and r.turns.same(gear.axis) for r in survey.near.get(gear.part, ()))
+        on_axis = any(r.turns is not None and r.turns.same(gear.axis) for _, r in survey.around(gear.part))
         host = None if on_axis or gear.part in held else _host(survey, gear)
         if host is not None:
             a, b = sorted((gear.part, host))
@@ -97,6 +99,10 @@ def _free_from_hosts(survey: Survey, mesh: Mesh, found: Evidence) -> None:
             found.apart.append(Apart(_APART, a, b))
             if r is not None and r.turns is not None and r.turns.same(mate.axis, SAME_GEAR):
                 found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, mate.axis, _TURNS_ON, r, review=_REVIEW_ON))
+            s = survey.relation(host, gear.part)
+            if s is not None and s.via == Via.BOLT and s.turns is not None and s.turns.same(gear.axis, SAME_GEAR):
+                a, b = sorted((host, gear.part))
+                found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, _ON_SCREW, s, review=_REVIEW_ON))
 
 
 def _fix_to_shafts(survey: Survey, found: Evidence) -> None:

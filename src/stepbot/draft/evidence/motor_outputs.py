@@ -15,7 +15,7 @@ from stepbot.draft.contacts.relations import Relation, Via, is_even, merged, rea
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, through
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, is_beside, through
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -268,6 +268,7 @@ class _OneMotor:
             whole = merged(relations, (relations[0].a, relations[0].b), [output.axis])
             about = whole.turns is not None and whole.turns.same(output.axis, SAME_AXIS)
             by_name = bool(self._outputs) and touched - survey.small <= set(self._anchors)
+            by_name &= not is_beside(output.axis, relations)
             sides.append(_Side(part, tuple(relations), whole, by_name or about or lies_on(output, relations)))
         if any(Role.WHEEL in survey.parts[o].roles for o in self._outputs):
             # What is on the axle of a hub motor holds it.

@@ -274,6 +274,7 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
             and not part.is_small
             and part.volume > _LEAST * survey.volume
             and survey.scene.fill(i) > _BLOCK
+            and _is_block(survey, i)
         ):
             equal[survey.equal.turned_kind(i)].append(i)
     cases = [i for members in equal.values() if _is_used_like_motors(survey, members) for i in members]

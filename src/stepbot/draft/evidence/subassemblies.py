@@ -7,12 +7,15 @@ from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.wheels import TREAD, rolling
 from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
 from stepbot.geometry.fixed_point import exact_sum
 
 _MOVING = 0.79
 """Score of a joint of a loop or a wheel, which bodies of one part may have."""
+_EQUAL_PIECES = 3
+"""Number of equal pieces that do not touch each other, from which a subassembly is a list; two may be plates."""
 _IMPORT, _PIECE = 0.15, 0.05
 """Share of the assembly's volume from which a subassembly may be an import, and of its own that a second piece has."""
 
@@ -75,9 +78,32 @@ class Structure:
             *(
                 (i, j)
                 for (i, j), r in self._survey.pairs()
-                if r.via == Via.BALL or (r.via == Via.SLIDE and r.length > 0 and is_guide(self._survey, i, j))
+                if r.via == Via.BALL
+                or (r.via == Via.SLIDE and r.length > 0 and is_guide(self._survey, i, j))
+                or (r.via == Via.PIN and self._is_unit(i, j))
             ),
         }
+
+    def _is_unit(self, a: int, b: int) -> bool:
+        """Whether two parts of one subassembly that turn in each other are each fastened to a part of its own outside.
+
+        So are case and output of an actuator, or the rings of a bearing, that was bought as a whole.
+        """
+        home = self._assembly.components[a].parent
+        if home in self._survey.tops or home != self._assembly.components[b].parent:
+            return False
+        inside = {i for i in self._assembly.subtree(home) if i in self._survey.parts}
+        sides = Clusters(sorted(inside))
+        for i in inside:
+            for other, _ in self._survey.around(i):
+                if other in inside and {i, other} != {a, b}:
+                    sides.join(i, other)
+        if sides.find(a) == sides.find(b):
+            return False
+        one, two = (
+            {other for i in sides.members(part) for other in self._survey.holders(i)} - inside for part in (a, b)
+        )
+        return bool(one and two) and one.isdisjoint(two)
 
     def _visit(self, node: int, mechanisms: set[tuple[int, int]]) -> None:
         for child in self._assembly.children[node]:
@@ -107,6 +133,8 @@ class Structure:
         whole = exact_sum(volumes)
         is_import = len(islands) > 1 and whole > _IMPORT * survey.volume and volumes[-2] > _PIECE * whole
         is_list = all({Role.BEARING, Role.PIN}.intersection(survey.parts[i].roles) for i in members)
+        # Equal feet or wheels are a list as well.
+        is_list |= len(islands) >= _EQUAL_PIECES and len({survey.equal.kinds(island) for island in islands}) == 1
         if is_import or is_list or not any(self._assembly.components[i].product for i in members):
             held = sum(any(r.other(i) not in inside for i in one for _, r in survey.around(i)) for one in islands)
         else:

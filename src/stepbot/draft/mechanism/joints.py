@@ -4,7 +4,7 @@ Of two joints in a row about one axis, a driven one and a plain one, the plain o
 to what it turns, and a motor to its seat.
 """
 
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush
 from math import hypot, nan
@@ -13,10 +13,11 @@ import numpy as np
 from msgspec import Struct
 
 from stepbot.draft.contacts.concentric import has_free_circle
+from stepbot.draft.contacts.relations import Via
 from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.gears import SAME_GEAR
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.evidence.wheels import is_wheel
+from stepbot.draft.evidence.wheels import Feet, is_wheel
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
@@ -35,8 +36,11 @@ _TRIFLE, _AROUND = 0.02, 1e-3
 """Share of a cluster's volume below which a part is ignored; distance [m] of two boxes that may be around a third."""
 _IDLER, _EQUAL = 0.02, 0.01
 """Share of a body's volume up to which another one on it is its horn or idler; difference up to which two are equal."""
-_ROD, _CRUMB = 2.0, 5e-5
-"""Length in diagonals of its section from which a body is a rod; share of all volume below which it is a pin."""
+_ROD, _CRUMB, _TOOL = 2.0, 5e-5, 5e-4
+"""Length in diagonals of its section from which a body is a rod; shares of all volume below which it is a pin, and no
+flange for a tool.
+"""
+_PINNED, _IN_SERIES = 1, "turns about the same axis as the motor or pin it is beside"
 _WHEEL = 0.08
 """Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
 
@@ -204,15 +208,18 @@ class Mechanism:
         self.joints = [j for j in self.joints if j.a != j.b]
 
     def _unite_in_series(self) -> bool:
-        """Unite a body that has a driven joint and a plain one about one axis, and no other, across the plain one."""
-        for middle, joints in sorted(self._of().items()):
+        """Unite a body with two joints about one axis, and no other, across the plain one or a face beside a pin."""
+        of = self._of()
+        for middle, joints in sorted(of.items()):
             if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, _SAME_CENTRE):
                 continue
-            plain, driven = sorted(joints, key=lambda j: j.evidence.drives)
-            is_driven = driven.evidence.drives and not plain.evidence.drives
-            is_beside = plain.evidence.is_plain or plain.evidence.of_linkage
-            if is_driven and is_beside and plain.evidence.type == driven.evidence.type == JointKind.REVOLUTE:
-                self._made.guess(self._clusters.members(middle), "turns about the same axis as the motor it is beside")
+            plain, other = sorted(joints, key=lambda j: _firmness(j.evidence))
+            weak, strong = plain.evidence, other.evidence
+            is_beside = strong.drives and not weak.drives and (weak.is_plain or weak.of_linkage)
+            is_seat = _firmness(weak) < _firmness(strong) == _PINNED and weak.priority < Priority.STATED
+            is_beside |= is_seat and len(of[plain.other(middle)]) == 1
+            if is_beside and weak.type == strong.type == JointKind.REVOLUTE:
+                self._made.guess(self._clusters.members(middle), _IN_SERIES)
                 self.joints.remove(plain)
                 self._unite(plain.a, plain.b, self.joints)
                 return True
@@ -337,7 +344,8 @@ class Mechanism:
         return bool(along > _ROD * hypot(*across))
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
-        if is_wheel(self._survey, self._made.evidence.rolling, members, joint.axis):
+        feet, rolling = Feet(self._survey).count_beside(members, joint.axis), self._made.evidence.rolling
+        if is_wheel(self._survey, rolling, members, joint.axis) and feet <= max(2, len(rolling)):
             return True  # the assembly stands on it
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
             return True
@@ -346,13 +354,14 @@ class Mechanism:
         is_group = all(self._structure.are_together(i, members[0]) for i in members if i not in self._survey.small)
         is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
         is_heavy = self._survey.total_volume(members) > _SCREW * self._survey.volume
-        return is_large or (is_group and is_heavy and len(members) > 1)
+        is_link = is_large or (is_group and is_heavy and len(members) > 1)
+        return is_link and feet < 2
 
     def _is_flange(self, root: int, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body at the end of a chain has a circle of holes that nothing is in or in line with, for a tool."""
         beside = joint.other(root)
         is_last = any(beside in (j.a, j.b) for j in self.joints if j is not joint)
-        if not is_last or self._volume(root) < _SCREW * self._survey.volume:
+        if not is_last or self._volume(root) < _TOOL * self._survey.volume:
             return False
         near = self._survey.parts_near(self._survey.box_of(members), _AROUND)
         return set(near) <= {*members, *self._clusters.members(beside)} and has_free_circle(
@@ -365,6 +374,12 @@ class Mechanism:
 
     def _has_wheel(self, root: int) -> bool:
         return any(Role.WHEEL in self._survey.parts[i].roles for i in self._clusters.members(root))
+
+
+def _firmness(h: JointEvidence) -> int:
+    """Order of two joints in a row about one line: a face on a face is none beside a pin, nor either beside a motor."""
+    via = h.relation.via if h.relation is not None and not h.by_role else None
+    return 3 if h.drives else {Via.FACE: 0, Via.PIN: _PINNED}.get(via, 2) if via is not None else 2
 
 
 def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
@@ -383,16 +398,3 @@ def by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:
         of[j.a].append(j)
         of[j.b].append(j)
     return of
-
-
-def depths(of: dict[int, list[Joint]], root: int) -> dict[int, int]:
-    """The number of joints between each cluster and the root."""
-    depth, waiting = {root: 0}, deque([root])
-    while waiting:
-        here = waiting.popleft()
-        for j in of.get(here, ()):
-            other = j.other(here)
-            if other not in depth:
-                depth[other] = depth[here] + 1
-                waiting.append(other)
-    return depth

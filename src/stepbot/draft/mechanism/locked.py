@@ -7,7 +7,7 @@ A rod with a ball joint at each end can spin about its own axis, which moves not
 drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
 """
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
@@ -16,7 +16,7 @@ from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.mechanism.joints import Joint, by_cluster, depths, same_joint
+from stepbot.draft.mechanism.joints import Joint, by_cluster, same_joint
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
 from stepbot.draft.parts.axis import Axis
 from stepbot.geometry.spatial import perpendicular_frame, unit
@@ -166,3 +166,16 @@ def one_per_pair(joints: Sequence[Joint]) -> list[Joint]:
             for h in (j.evidence, of_pair.evidence):
                 h.review = h.review or "two axes between two links: they slide, or are one link"
     return [j for j in joints if j.evidence.verdict != Verdict.REPEATED]
+
+
+def depths(of: dict[int, list[Joint]], root: int) -> dict[int, int]:
+    """The number of joints between each cluster and the root."""
+    depth, waiting = {root: 0}, deque([root])
+    while waiting:
+        here = waiting.popleft()
+        for j in of.get(here, ()):
+            other = j.other(here)
+            if other not in depth:
+                depth[other] = depth[here] + 1
+                waiting.append(other)
+    return depth

@@ -15,12 +15,14 @@ from itertools import pairwise
 import numpy as np
 from msgspec import Struct
 
+from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.relations import Relation, Via, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import SURE
 from stepbot.draft.evidence.evidence import JointEvidence, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.evidence.wheels import Feet
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.mechanism.locked import JointKey
 from stepbot.draft.parts.axis import Axis
@@ -28,59 +30,23 @@ from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.parts import Part, whole
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
-from stepbot.step.faces import FaceKind
-
-_FLAT = 1e-4
-"""Thickness of the ground plane, as a share of the assembly's size."""
-
-
-class Feet:
-    """The outermost parts of an assembly along any direction."""
-
-    def __init__(self, survey: Survey) -> None:
-        self._survey, self._near = survey, _FLAT * survey.extent
-        self._parts = [i for i, part in survey.parts.items() if part.size and i not in survey.small]
-        self._boxes = np.array([survey.parts[i].box for i in self._parts]).reshape(-1, 2, 3)
-
-    def below(self, sides: Clusters, axis: Axis) -> list[tuple[int, float]]:
-        """The sides that alone reach one end of the assembly along an axis, with the radius [m] of their faces there.
-
-        At most two, each by its representative.
-        """
-        found = []
-        for d in (-axis.d, axis.d):
-            reach = np.maximum(self._boxes[:, 0] * d, self._boxes[:, 1] * d).sum(axis=1)
-            level = float(reach.max())
-            last = {self._parts[k] for k in np.flatnonzero(reach > level - self._near).tolist()}
-            roots = {sides.find(i) if i in sides else -1 for i in last}
-            if len(roots) == 1 and -1 not in roots:
-                found.append((roots.pop(), self._width(last, Axis(axis.point, d), level)))
-        return found
-
-    def _width(self, parts: set[int], down: Axis, level: float) -> float:
-        """The largest distance [m] from an axis of plane faces on the ground, which it points to."""
-        scene = self._survey.scene
-        grounded = [
-            placed
-            for part in sorted(parts)
-            for placed in scene.faces_of(part, FaceKind.PLANE)
-            if down.is_along(placed.direction) and float((placed.point * down.d).sum()) > level - self._near
-        ]
-        rings = [ring for placed in grounded for ring in scene.outline(placed.part, placed.face)]
-        return max((float(down.distances(ring).max()) for ring in rings), default=0.0)
-
 
 _REVIEW = "nothing but one round contact holds its two sides together"
 """What to review of such a joint."""
+_REVIEW_FLANGE = "a disc with a circle of holes for a tool at the end of a chain: it may be fixed"
 _REVIEW_STAND = "only round contacts connect the stand: it may turn at another one of them, or not at all"
 _PIVOTS = (Via.FACE, Via.BOLT, Via.PIN)
 """Contacts that may be such a joint, pins in whole bores: others are found without this."""
 _LEAST = 0.01
 """Share of the assembly's volume below which a side of a pivot is a handle, a pin or a cover."""
+_FLANGE = 5e-4
+"""Share of the assembly's volume from which a disc is a tool flange, not a washer; a stand may have such holes, too."""
 _STAND = 0.05
 """Share of the assembly's volume from which what is symmetric about its joint may be a stand, not a cap or a pin."""
 _WIDER = 1.2
 """Ratio of the radii of a stand's foot and of the contact above it: what overhangs needs a wide foot, unlike a cap."""
+_LID = 0.3
+"""Share of the smaller of two sides up to which a third one on their axis is none."""
 _OBLONG = 0.1
 """Difference of the moments of inertia across an axis, as a share of that about it, from which a side is lopsided."""
 _CLEARLY = 2.0
@@ -120,6 +86,8 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
         if between or root in jointed:
             below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
             found |= dict.fromkeys(below, _REVIEW_STAND)
+            ends = [pair for sides in pivots if (pair := sides.below_flange()) is not None]
+            found |= dict.fromkeys(ends, _REVIEW_FLANGE)
     hinges = {(h.a, h.b): h for h in made.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
     return {(*pair, str(hinges[pair].type)): review for pair, review in found.items() if pair in hinges}
 
@@ -167,7 +135,11 @@ class _Sides:
             if (a, b) not in about:
                 self._groups.join(a, b)
         groups = self._groups.groups().items()
-        self._lopsided = [root for root, parts in groups if _is_lopsided(survey, parts, pivot.axis)]
+        lopsided = {root: parts for root, parts in groups if _is_lopsided(survey, parts, pivot.axis)}
+        sizes = {root: survey.total_volume(parts) for root, parts in lopsided.items()}
+        # What is small beside both is a motor or a lid on one of them.
+        least = _LID * sorted([0.0, 0.0, *sizes.values()])[-2]
+        self._lopsided = [root for root, size in sizes.items() if size > least]
 
     def between_lopsided(self) -> Pair | None:
         """The joint between two lopsided sides, if there are two."""
@@ -202,6 +174,21 @@ class _Sides:
                 continue
             if width > _WIDER * reach(self._pivot.axis, [self._survey.relations[pair]]):
                 return pair
+        return None
+
+    def below_flange(self) -> Pair | None:
+        """The joint between a lopsided side and one part with a circle of holes for a tool that it carries."""
+        if not self._lopsided:
+            return None
+        for r in self._pivot.relations:
+            for part in (r.a, r.b):
+                others = [other for other, _ in self._survey.around(part) if other != r.other(part)]
+                share = self._survey.parts[part].volume / self._survey.volume
+                if self._groups.members(part) != [part] or others or not _FLANGE < share < _STAND:
+                    continue
+                is_disc = r.via == Via.FACE and self._survey.parts[part].is_balanced(self._pivot.axis)
+                if is_disc and has_free_circle(self._survey.contacts.lines, [part], self._pivot.axis):
+                    return r.a, r.b
         return None
 
     def _weakest(self, one: int, two: int) -> tuple[Pair | None, list[int]]:

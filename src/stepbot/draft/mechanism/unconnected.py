@@ -31,6 +31,8 @@ _GROUP = 0.01
 """The same for a subassembly."""
 _FEWEST_SCREWS = 2
 """Number of screws from which two bodies with nothing else between them are one."""
+_BESIDE, _SAME = 3e-4, 0.01
+"""Distance [m] of faces of bodies beside each other; share of a volume up to which two are equal."""
 _SCORE_BY_NAME, _SCORE_BY_SHAPE = 0.55, 0.5
 
 
@@ -135,7 +137,23 @@ class LooseEnds:
                 held = [q for q in piece if q not in driven] or piece  # a motor is held by its case
                 mine = min(held, key=lambda q: (self._gap(groups[q], groups[other]), q))
                 self._mechanism.joints.append(self._placeholder(groups, other, mine))
+                self._join_equal(groups, mine, held, other)
             tied.join(mine, other)
+
+    def _join_equal(self, groups: dict[int, list[int]], mine: int, piece: Sequence[int], other: int) -> None:
+        """Join equal bodies of a piece that are all beside what it is connected to: the sides of a fork."""
+        volumes = {q: self._survey.total_volume(groups[q]) for q in piece}
+        equal = [q for q in piece if abs(volumes[q] - volumes[mine]) <= _SAME * volumes[mine]]
+        beside = [q for q in equal if self._is_beside(groups[q], groups[other])]
+        for q in beside if mine in beside else ():
+            if q != mine and self._clusters.join(mine, q):
+                self._made.guess(groups[q], "not connected: beside the same part as its equal")
+
+    def _is_beside(self, one: Sequence[int], two: Sequence[int]) -> bool:
+        """Whether faces of two bodies are drawn up to 0.3 mm apart."""
+        drawn, inside = [i for i in one if self._survey.parts[i].size], set(two)
+        near = self._survey.parts_near(self._survey.box_of(one), _BESIDE)
+        return any(self._survey.scene.gap(drawn, i) < _BESIDE for i in near if i in inside)
 
     def _placeholder(self, groups: dict[int, list[int]], a: int, b: int) -> Joint:
         axis = Axis(self._survey.box_of(groups[b]).mean(axis=0), None)
