@@ -10,7 +10,8 @@ from stepbot.sidecar.shapes import is_for_mjx
 MJX_FACES, MJX_HULLS = 20, 1
 """Maximum number of flat faces of a hull, and of hulls of a link, for MJX.
 
-MJX compares each face of a hull with all of the other, and compiles a function for each pair of hulls that can touch.
+MJX compares each face of a hull with all of the other, and compiles a function for each pair of hulls that can touch
+(decision 0045).
 """
 _ROUND_OR_HOLLOW = (CollisionShape.CYLINDER, CollisionShape.MESH)
 """Shapes that MJX lacks: it takes the hull of a mesh, with all of its faces."""

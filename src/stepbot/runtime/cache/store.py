@@ -73,7 +73,7 @@ class Usage(NamedTuple):
 
 
 class _Entry(NamedTuple):
-    path: Path
+    path: str
     size: int
     used: float
 
@@ -133,11 +133,12 @@ class Cache:
 
     def trim(self) -> None:
         """Remove the least recently used entries above the limit, and leftovers of killed processes."""
-        entries = sorted(self._entries(), key=lambda entry: (entry.used, entry.path))
+        entries = list(self._entries())
         size = sum(entry.size for entry in entries)
-        kept = self.limit if size <= self.limit else int(self.limit * _KEPT_SHARE)
-        for entry in entries:
-            if size <= kept:
+        if size <= self.limit:
+            return
+        for entry in sorted(entries, key=lambda entry: (entry.used, entry.path)):
+            if size <= int(self.limit * _KEPT_SHARE):
                 return
             if _removed(entry.path):
                 size -= entry.size
@@ -158,7 +159,7 @@ class Cache:
     def _entries(self, formats: str = _FORMAT) -> Iterator[_Entry]:
         """All entries; abandoned temporary files are removed on the way."""
         try:
-            folders = sorted(self.folder.glob(f"{formats}/??"))
+            folders = list(self.folder.glob(f"{formats}/??"))
         except OSError:  # a name that is too long: there are none
             return
         for folder in folders:
@@ -166,7 +167,7 @@ class Cache:
                 continue
             try:
                 with os.scandir(folder) as found:
-                    files = sorted(found, key=lambda one: one.name)
+                    files = list(found)
             except OSError:  # removed, or not a folder: then it has no entries
                 continue
             for file in files:
@@ -177,9 +178,9 @@ class Cache:
                 if not S_ISREG(status.st_mode):
                     continue
                 if _ENTRY.fullmatch(file.name):
-                    yield _Entry(Path(file.path), status.st_size, status.st_mtime)
+                    yield _Entry(file.path, status.st_size, status.st_mtime)
                 elif file.name.startswith(_NEW) and time.time() - status.st_mtime > _ABANDONED_AFTER:
-                    _removed(Path(file.path))
+                    _removed(file.path)
 
 
 def _is_linked(path: Path) -> bool:
@@ -206,10 +207,10 @@ def _write(path: Path, data: bytes) -> None:
         raise
 
 
-def _removed(path: Path) -> bool:
+def _removed(path: Path | str) -> bool:
     """Remove a file; False if another process removed it or has it open."""
     try:
-        path.unlink()
+        Path(path).unlink()
     except OSError:
         return False
     return True
