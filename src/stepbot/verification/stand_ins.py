@@ -67,7 +67,8 @@ def with_points_of(a: Observation, b: Observation) -> Observation:
 
 def with_surfaces_of(a: Observation, b: Observation) -> Observation:
     """One side with one surface per link, that of the shape with most friction, if the other's format has no more."""
-    if format_named(b.format).expresses[Feature.MIXED_SURFACE].level is Level.EXACT:
+    mixed = any(len({shape.surface for shape in link.collisions or ()}) > 1 for link in a.links)
+    if not mixed or format_named(b.format).expresses[Feature.MIXED_SURFACE].level is Level.EXACT:
         return a
     others = {link.name: link.collisions[0].surface for link in b.links if link.collisions}
     return replace(a, links=tuple(_with_one_surface(link, others.get(link.name)) for link in a.links))
