@@ -268,7 +268,7 @@ def test_mujoco_warp(written: Mapping[str, Written]) -> None:
 def test_mujoco_warp_steps(for_mjx: Mapping[str, Written]) -> None:
     """Ten steps from home take every robot of the library, with shapes for MJX, where MuJoCo's take it.
 
-    The youBot is 0.0006 apart: the hull of its body reaches over its rollers (SB810), in 92 contacts.
+    The youBot is 0.0011 apart: the hull of its body reaches over its rollers (SB810), in 148 contacts.
     """
     if importlib.util.find_spec("mujoco_warp") is None:
         pytest.skip("mujoco_warp is not installed")
