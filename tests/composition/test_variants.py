@@ -13,7 +13,7 @@ from stepbot.formats.usd.asset import configurations
 from stepbot.pipeline.composing import compose
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.sidecars import load
-from stepbot.robot.model import Robot
+from stepbot.robot.model import Cylinder, Robot
 from tests.command_line import stepbot
 
 ARM = """
@@ -380,3 +380,33 @@ def test_motors_of_a_composing_file_are_known_where_it_changes_its_modules(varia
     found = {one.name: one.motor and (one.motor.name, one.motor.figure("effort")) for one in robot.actuators}
     efforts = {name: one and (one[0], one[1] and one[1].value) for name, one in found.items()}
     assert efforts == {"lift_motor": ("Mine", 3.0), "grip_motor": ("Mine", 3.0), "o_grip_motor": ("Mine", 4.0)}
+
+
+BALL = """
+    <robot name="ball"><link name="ball"><inertial><mass value="0.5"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>
+    """
+FOR_MJX = """
+    version: 1
+    robot: whole
+    defaults: {collision: {for: mjx}}
+    modules: {arm: {file: "library:ur5e", prefix: ""}, ball: {file: ball.urdf, prefix: "", at: arm/tool0}}
+    """
+
+
+@pytest.mark.slow
+def test_shapes_for_mjx_are_those_of_all_modules(composed: Callable[..., Robot]) -> None:
+    """MJX concerns the whole robot: each link of a sidecar has one shape; a description's are reported, and kept."""
+    found = Diagnostics()
+    robot = composed({"whole.robot.yaml": FOR_MJX, "ball.urdf": BALL}, found)
+    assert {len(link.collisions) for link in robot.links} == {0, 1}
+    shapes = [one.geometry for link in robot.links for one in link.collisions]
+    assert not any(isinstance(one, Cylinder) for one in shapes)
+    assert len(shapes) == 8
+    assert [one.message for one in found if one.code == "SB608"] == [
+        "`for: mjx` has no effect on module 'ball': 'ball.urdf' states its shapes"
+    ]
+    plain = FOR_MJX.replace("defaults: {collision: {for: mjx}}", "")
+    as_drawn = composed({"whole.robot.yaml": plain, "ball.urdf": BALL}, Diagnostics())
+    assert any(isinstance(one.geometry, Cylinder) for link in as_drawn.links for one in link.collisions)

@@ -22,13 +22,14 @@ from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.cache import file_digest, files_digest
 from stepbot.runtime.file import is_file, is_folder, resolved
-from stepbot.runtime.robot_library import LIBRARY, library_robot, library_robots
+from stepbot.runtime.robot_library import LIBRARY, library_robots, library_sidecar
 from stepbot.sidecar import VERSION
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
-from stepbot.sidecar.own_part import own_part
+from stepbot.sidecar.own_part import own_part, with_defaults_of
+from stepbot.sidecar.shapes import is_for_mjx
 from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, child, way
 from stepbot.sidecar.variants import merged
@@ -194,7 +195,7 @@ class _Files:
         self, sidecar: Sidecar, name: str, section: ModuleSection, chain: tuple[Path, ...], found: Diagnostics
     ) -> Robot | None:
         file, span = section.file or "", sidecar.span("modules", name, "file")
-        path = _of_library(file) if file.startswith(LIBRARY) else sidecar.path.parent / file
+        path = library_sidecar(file) if file.startswith(LIBRARY) else sidecar.path.parent / file
         what, help = _unreadable(path, file)
         if path is None or what:
             found.add("SB150", f"module '{name}': {what}", span, help=help)
@@ -204,9 +205,11 @@ class _Files:
             message = f"module '{name}': '{file}' contains itself: {ring}"
             found.add("SB150", message, span, help=["remove one of the modules"])
             return None
-        key = (resolved(path), section.variant or "", repr((section.rename, section.set, sidecar.own_motors)))
+        document = sidecar.document
+        changes = section.rename, section.set, sidecar.own_motors, is_for_mjx(document.defaults.collision)
+        key = (resolved(path), section.variant or "", repr(changes))
         if key not in self._robots:
-            local, document = Diagnostics(), sidecar.document
+            local = Diagnostics()
             is_placed = bool(section.at) or "base" in document.model_fields_set
             is_placed |= any(joint.child.partition("/")[0] == name for joint in document.joints.values())
             try:
@@ -240,7 +243,7 @@ class _Files:
         self._note(path)
         changes.reject_unfit(path, found)
         if is_step_name(path.name):
-            return self._from_step(changes.of_step(path, found), path, found)
+            return self._from_step(changes.inherited(changes.of_step(path, found)), path, found)
         if is_description(path):
             from .translating import robot_of_file
 
@@ -249,7 +252,7 @@ class _Files:
             return changes.of_description(robot, path, self._options, found)
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
-        sidecar = load(path, options, found, module=changes.section, motors=changes.motors)
+        sidecar = changes.inherited(load(path, options, found, module=changes.section, motors=changes.motors))
         if sidecar.document.modules:
             return self.composed(sidecar, (*chain, path), found)
         return self._from_step(sidecar, named_step(sidecar, found), found)
@@ -321,14 +324,6 @@ def _unreadable(path: Path | None, file: str) -> tuple[str, tuple[str, ...]]:
     return "", ()
 
 
-def _of_library(name: str) -> Path | None:
-    """The sidecar of ``library:ur5e``; None if there is no such robot."""
-    try:
-        return library_robot(name.removeprefix(LIBRARY)).sidecar
-    except KeyError:
-        return None
-
-
 class _Changes:
     """What a composing file changes in the file of a module, by `variant` and `set`.
 
@@ -355,6 +350,10 @@ class _Changes:
         whole = [name for name, one in given.items() if "inertia" in (one.get("inertial") or ())]
         return [former.get(name, name) for name in whole]
 
+    def inherited(self, module: Sidecar) -> Sidecar:
+        """The module's sidecar with the defaults that hold for modules."""
+        return with_defaults_of(self._sidecar.document, module)
+
     def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
         """The sidecar of a STEP file without one: all of its parts are one link."""
         text = json.dumps(
@@ -378,6 +377,9 @@ class _Changes:
         """The robot of a URDF, SDFormat or MJCF with its new names and changed values."""
         section = self._sidecar.document.modules[self._module]
         robot = with_names(robot, section.rename, self._module, self._sidecar, found)
+        if is_for_mjx(self._sidecar.document.defaults.collision) and any(link.collisions for link in robot.links):
+            message = f"`for: mjx` has no effect on module '{self._module}': '{path.name}' states its shapes"
+            found.add("SB608", message, self._sidecar.span("defaults", "collision"))
         if self.tree is None:
             return robot
         place = self._sidecar.key_span("modules", self._module, "set")

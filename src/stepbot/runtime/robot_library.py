@@ -147,3 +147,11 @@ def library_robot(name: str) -> LibraryRobot:
     if len(found) != 1:
         raise KeyError(name)
     return found[0]
+
+
+def library_sidecar(file: str) -> Path | None:
+    """The sidecar of ``library:ur5e``; None if there is no such robot."""
+    try:
+        return library_robot(file.removeprefix(LIBRARY)).sidecar
+    except KeyError:
+        return None

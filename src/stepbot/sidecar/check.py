@@ -10,12 +10,13 @@ from .located import Sidecar
 from .modules import ModuleSection
 from .own_part import own_part
 from .references import check_names, check_references
+from .shapes import is_for_mjx
 from .text import BoundedDiagnostics, TooManyFaultsError, file_name
 from .unit_rules import check_densities, check_joint_units, check_magnitudes, check_weights_as_forces
 
 _OF_OWN_STEP = ("parts", "mass", "step_density", "step_encoding")
 _WITH_OWN_LINKS = ("root", "materials", "defaults")
-"""Keys that are about the STEP and the links of this file alone."""
+"""Keys that are about the STEP and the links of this file alone, but for the defaults' shapes for MJX."""
 _OF_FILE = ("variant", "set", "rename")
 
 
@@ -61,8 +62,9 @@ def _check_own_step(sidecar: Sidecar, found: Diagnostics) -> None:
             message = f"link '{name}': '{key}' without 'step': missing key 'step'"
             help = ["step: ARM.step", "of a link without parts, give `inertial` alone"]
             found.add("SB121", message, sidecar.key_span("links", name, key), help=help)
+    of_modules = is_for_mjx(document.defaults.collision) and document.defaults.model_fields_set == {"collision"}
     for key in (*_OF_OWN_STEP, *(() if document.links else _WITH_OWN_LINKS)):
-        if key in document.model_fields_set:
+        if key in document.model_fields_set and not (key == "defaults" and of_modules):
             message = f"sidecar: '{key}' without 'step': it does not apply to modules"
             help = [f"remove `{key}`; `set` changes it in the file of a module"]
             found.add("SB137", message, sidecar.key_span(key), help=help)

@@ -1,4 +1,4 @@
-"""The part of a composing sidecar that is about its own STEP and links alone."""
+"""What a composing sidecar says of its own STEP and links alone, and what its defaults say of its modules."""
 
 from fnmatch import fnmatchcase
 from typing import Any
@@ -7,9 +7,10 @@ from msgspec.structs import replace
 
 from stepbot.robot.model import JointKind
 
-from .document import Document, JointSection
+from .document import CollisionSettings, CollisionShape, Document, JointSection
 from .located import Sidecar
 from .origins import ExplicitOrigin
+from .shapes import CollisionTarget, is_for_mjx
 
 TIE = "/"
 """Start of the names of joints that :func:`own_part` adds; names of a sidecar cannot contain it."""
@@ -62,6 +63,18 @@ def own_part(sidecar: Sidecar) -> Sidecar:
         "excluded_contacts": tuple(pair for pair in document.excluded_contacts if is_own(*pair)),
     }
     return replace(sidecar, document=document.model_copy(update=update))
+
+
+def with_defaults_of(composing: Document, module: Sidecar) -> Sidecar:
+    """The sidecar of a module, with shapes for MJX if the composing one asks for them: they concern the whole robot."""
+    defaults = module.document.defaults
+    given = defaults.collision or CollisionShape.AUTO
+    if not is_for_mjx(composing.defaults.collision) or is_for_mjx(given):
+        return module
+    settings = given if isinstance(given, CollisionSettings) else CollisionSettings(shape=given)
+    collision = settings.model_copy(update={"for_": CollisionTarget.MJX})
+    update = {"defaults": defaults.model_copy(update={"collision": collision})}
+    return replace(module, document=module.document.model_copy(update=update))
 
 
 def _relative_to(origin: Any) -> str | None:
