@@ -306,3 +306,28 @@ def test_a_file_is_simulated_from_its_initial_pose(tmp_path: Path, found: ReadDi
     """At 0 the joints of a mimic with an offset are far apart, and MuJoCo's simulation diverges."""
     (tmp_path / "turned.xml").write_text(_TURNED, encoding="utf-8")
     assert not _failed(verify_files([tmp_path / "turned.xml"], found))
+
+
+_PARTS = (
+    '<joint joint1="a" joint2="b" polycoef="0.1 1 0 0 0"/>',
+    '<joint joint1="c" joint2="b" polycoef="0.2 1 0 0 0"/>',
+    '<motor name="one" joint="b"/>',
+    '<motor name="two" joint="d"/>',
+    "0.3",
+    "0.4",
+)
+_ORDERED = """<mujoco model="ordered"><worldbody><body name="base"><geom size="0.1"/>{bodies}</body></worldbody>
+<equality>{0}{1}</equality><actuator>{2}{3}</actuator><keyframe><key name="home" ctrl="{4} {5}"/></keyframe></mujoco>"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("changed", ["", "0.1 1", "0.2 1", "0.3", "0.4"])
+def test_order_of_constraints_and_actuators_means_nothing(changed: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Constraints without names, and controls of a keyframe, are compared by what they relate, not by their number."""
+    joint = '<body name="{0}"><joint name="{0}" axis="0 1 0"/><geom size="0.01" pos="0.1 0 0"/></body>'
+    bodies = "".join(map(joint.format, "abcd"))
+    other = [part.replace(changed, "0.7" + changed[3:]) if changed else part for part in _PARTS]
+    swapped = [other[index] for index in (1, 0, 3, 2, 5, 4)]
+    for name, parts in (("a.xml", _PARTS), ("b.xml", swapped)):
+        (tmp_path / name).write_text(_ORDERED.format(*parts, bodies=bodies), encoding="utf-8")
+    assert bool(_failed(verify_files([tmp_path / "a.xml", tmp_path / "b.xml"], found))) == bool(changed)

@@ -26,8 +26,10 @@ from .urdf_vocabulary import URDF
 from .vocabulary import Vocabulary
 
 _VOCABULARIES = {"urdf": URDF, "sdf": AROUND, "mjcf": MJCF}
-_KEYS = ("name", "reference", "filename", "joint", "site", "class")
+_KEYS = ("name", "reference", "filename", "joint", "site")
 """Attributes that identify one of several elements of a tag."""
+_PAIRS = ("joint1", "joint2", "body1", "body2", "site1", "site2", "geom1", "geom2")
+"""Attributes of MJCF that together identify an element without any of these; only then does a class."""
 _LONGEST_PLACE = 1000
 
 
@@ -144,7 +146,9 @@ def _below(top: Any, vocabulary: Vocabulary, surface: Callable[[Any], Mapping[st
     while waiting:
         element, path, place, vocabulary, read = waiting.pop()
         for name, value in element.attrib.items():
-            yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name, str(element.tag)))
+            known = read and vocabulary.reads(path, name, str(element.tag))
+            each = _by_actuator(top, value) if (element.tag, name) == ("key", "ctrl") else {"": value}
+            yield from (Statement(f"{place}@{name}{of}", one, known) for of, one in each.items())
         if text := (element.text or "").strip():
             yield Statement(place, text, read)
         for name, value in surface(element).items():
@@ -154,9 +158,24 @@ def _below(top: Any, vocabulary: Vocabulary, surface: Callable[[Any], Mapping[st
             words, below = vocabulary, vocabulary.below(path, child)
             if vocabulary is AROUND and child.tag == "model":
                 words, below = MODEL, "model"
-            key = next((f"'{child.get(name)}'" for name in _KEYS if child.get(name)), "")
-            tag = f"{child.tag} {key}".strip()
+            tag = f"{child.tag} {_key(child)}".strip()
             numbers[tag] += 1
             numbered = tag if numbers[tag] == 1 else f"{tag} {numbers[tag]}"
             children.append((child, below, _short(f"{place}/{numbered}"), words, read and below in words.read))
         waiting += reversed(children)
+
+
+def _key(element: Any) -> str:
+    """What identifies an element among those of its tag, whatever their order; empty if nothing does."""
+    keys = [element.get(name) for name in _KEYS if element.get(name)][:1]
+    keys = keys or [element.get(name) for name in _PAIRS if element.get(name)]
+    keys += [text] if element.tag == "plugin" and (text := (element.findtext("joint_name") or "").strip()) else []
+    return " ".join(f"'{key}'" for key in keys or [element.get("class")] if key)
+
+
+def _by_actuator(top: Any, values: str) -> Mapping[str, str]:
+    """The controls of a keyframe by the names of the actuators, whose order means nothing; else as they are."""
+    names, numbers = [one.get("name") for one in top.iterfind("actuator/*")], values.split()
+    if not all(names) or len({*names}) != len(numbers) or len(names) != len(numbers):
+        return {"": values}
+    return {f" of '{name}'": number for name, number in zip(names, numbers, strict=True)}

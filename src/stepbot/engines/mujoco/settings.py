@@ -4,6 +4,7 @@ Numbers that depend on how a file describes a pose are left out: those that rema
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from pathlib import Path
@@ -117,19 +118,34 @@ def _all(compiled: Compiled) -> Iterator[tuple[str, tuple[float, ...]]]:
     engine, model = compiled.engine, compiled.model
     for name in _OPTIONS.split():
         yield f"option {name}", _numbers(getattr(model.opt, name, ()))
+    equalities = _equalities(compiled)
     for kind, fields in _KINDS.items():
         prefix, object_ = _PREFIXES.get(kind, kind), getattr(engine.mjtObj, f"mjOBJ_{_OBJECTS.get(kind, kind.upper())}")
         for field in fields.split():
             rows = getattr(model, f"{prefix}_{field}", ())
             for index, row in enumerate(rows):
                 name = engine.mj_id2name(model, object_, index) or ""
-                yield f"{kind} {repr(name) if name else index + 1} {field}", _numbers(row)
+                called = equalities[index] if kind == "equality" else repr(name) if name else index + 1
+                yield f"{kind} {called} {field}", _numbers(row)
     for index, row in enumerate(model.wrap_prm):
         yield f"tendon part {index + 1} coefficient", _numbers(row)
     for index in np.flatnonzero(model.eq_type == int(engine.mjtEq.mjEQ_JOINT)).tolist():
-        name = engine.mj_id2name(model, engine.mjtObj.mjOBJ_EQUALITY, index) or ""
-        yield f"equality {repr(name) if name else index + 1} polycoef", _numbers(model.eq_data[index][:5])
-        yield f"equality {repr(name) if name else index + 1} joints", (float(model.eq_obj2id[index] >= 0),)
+        yield f"equality {equalities[index]} polycoef", _numbers(model.eq_data[index][:5])
+        yield f"equality {equalities[index]} joints", (float(model.eq_obj2id[index] >= 0),)
+
+
+def _equalities(compiled: Compiled) -> list[str]:
+    """What constraints are called: their names, or what they relate, whatever their order."""
+    model, found, seen = compiled.model, list[str](), Counter[str]()
+    for index in range(model.neq):
+        kind = int(model.eq_objtype[index])
+        ends = [int(one) for one in (model.eq_obj1id[index], model.eq_obj2id[index]) if one >= 0]
+        names = [compiled.engine.mj_id2name(model, kind, one) or str(one) for one in ends]
+        name = compiled.engine.mj_id2name(model, compiled.engine.mjtObj.mjOBJ_EQUALITY, index)
+        called = repr(name) if name else " ".join(map(repr, names))
+        seen[called] += 1
+        found.append(called if seen[called] == 1 else f"{called} {seen[called]}")
+    return found
 
 
 def _numbers(value: object) -> tuple[float, ...]:
