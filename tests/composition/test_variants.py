@@ -193,7 +193,7 @@ FAULTS = {
         "SB160 5:58 set: of a link of a description, `set` can change `inertial`, `collision`"
     ),
     ("upper: 30 deg", "upper: 30 furlongs"): "SB124 5:75 joint 'lift': limits.upper: unknown unit 'furlongs'",
-    ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grap: {type: ball}}}, at"): (
+    ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grap: {type: disc}}}, at"): (
         "SB160 6:48 set: no joint 'grap' in 'hand.robot.yaml'"
     ),
     ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grip: {limits: {effort: 5 kg}}}}, at"): "SB124 6:",
@@ -382,16 +382,16 @@ def test_motors_of_a_composing_file_are_known_where_it_changes_its_modules(varia
     assert efforts == {"lift_motor": ("Mine", 3.0), "grip_motor": ("Mine", 3.0), "o_grip_motor": ("Mine", 4.0)}
 
 
-BALL = """
-    <robot name="ball"><link name="ball"><inertial><mass value="0.5"/>
+DISC = """
+    <robot name="disc"><link name="disc"><inertial><mass value="0.5"/>
     <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>
+    <collision><geometry><cylinder radius="0.1" length="0.01"/></geometry></collision></link></robot>
     """
 FOR_MJX = """
     version: 1
     robot: whole
     defaults: {collision: {for: mjx}}
-    modules: {arm: {file: "library:ur5e", prefix: ""}, ball: {file: ball.urdf, prefix: "", at: arm/tool0}}
+    modules: {arm: {file: "library:ur5e", prefix: ""}, disc: {file: disc.urdf, prefix: "", at: arm/tool0}}
     """
 
 
@@ -399,14 +399,14 @@ FOR_MJX = """
 def test_shapes_for_mjx_are_those_of_all_modules(composed: Callable[..., Robot]) -> None:
     """MJX concerns the whole robot: each link of a sidecar has one shape; a description's are reported, and kept."""
     found = Diagnostics()
-    robot = composed({"whole.robot.yaml": FOR_MJX, "ball.urdf": BALL}, found)
+    robot = composed({"whole.robot.yaml": FOR_MJX, "disc.urdf": DISC}, found)
     assert {len(link.collisions) for link in robot.links} == {0, 1}
     shapes = [one.geometry for link in robot.links for one in link.collisions]
-    assert not any(isinstance(one, Cylinder) for one in shapes)
+    assert sum(isinstance(one, Cylinder) for one in shapes) == 1
     assert len(shapes) == 8
     assert [one.message for one in found if one.code == "SB608"] == [
-        "`for: mjx` has no effect on module 'ball': 'ball.urdf' states its shapes"
+        "`for: mjx` has no effect on module 'disc': 'disc.urdf' has shapes for other engines"
     ]
     plain = FOR_MJX.replace("defaults: {collision: {for: mjx}}", "")
-    as_drawn = composed({"whole.robot.yaml": plain, "ball.urdf": BALL}, Diagnostics())
+    as_drawn = composed({"whole.robot.yaml": plain, "disc.urdf": DISC}, Diagnostics())
     assert any(isinstance(one.geometry, Cylinder) for link in as_drawn.links for one in link.collisions)

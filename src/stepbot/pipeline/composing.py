@@ -1,6 +1,5 @@
 """The robot of a sidecar with modules: each file that it names, directly or through others, is read once."""
 
-import json
 from collections.abc import Mapping as MappingType
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -17,20 +16,19 @@ from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.loop_followers import loop_followers
-from stepbot.robot.model import Robot
-from stepbot.robot.step_names import is_step_name, step_stem
+from stepbot.robot.model import Cylinder, MeshRef, Robot
+from stepbot.robot.step_names import is_step_name
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.cache import file_digest, files_digest
 from stepbot.runtime.file import is_file, is_folder, resolved
 from stepbot.runtime.robot_library import LIBRARY, library_robots, library_sidecar
-from stepbot.sidecar import VERSION
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import own_part, with_defaults_of
 from stepbot.sidecar.shapes import is_for_mjx
-from stepbot.sidecar.starter import robot_name
+from stepbot.sidecar.starter import one_link_starter
 from stepbot.sidecar.tree import Mapping, child, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows_of
@@ -356,16 +354,7 @@ class _Changes:
 
     def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
         """The sidecar of a STEP file without one: all of its parts are one link."""
-        text = json.dumps(
-            {
-                "version": VERSION,
-                "robot": robot_name(step_stem(step.name)),
-                "step": step.name,
-                "defaults": {"density": "todo"},
-                "links": {"body": {"rest": True}},
-            }
-        )
-        made = parse_sidecar(text, step, found, module=self.section, motors=self.motors)
+        made = parse_sidecar(one_link_starter(step), step, found, module=self.section, motors=self.motors)
         if made is not None:
             check_sidecar(made, found)
         found.raise_if_errors()
@@ -377,8 +366,9 @@ class _Changes:
         """The robot of a URDF, SDFormat or MJCF with its new names and changed values."""
         section = self._sidecar.document.modules[self._module]
         robot = with_names(robot, section.rename, self._module, self._sidecar, found)
-        if is_for_mjx(self._sidecar.document.defaults.collision) and any(link.collisions for link in robot.links):
-            message = f"`for: mjx` has no effect on module '{self._module}': '{path.name}' states its shapes"
+        kinds = {type(one.geometry) for link in robot.links for one in link.collisions}
+        if kinds & {Cylinder, MeshRef} and is_for_mjx(self._sidecar.document.defaults.collision):
+            message = f"`for: mjx` has no effect on module '{self._module}': '{path.name}' has shapes for other engines"
             found.add("SB608", message, self._sidecar.span("defaults", "collision"))
         if self.tree is None:
             return robot

@@ -23,6 +23,12 @@ def description_starter(description: Path) -> str:
     return "\n".join((*lines, f"    file: {scalar(description.name)}", '    prefix: ""', ""))
 
 
+def one_link_starter(step: Path) -> str:
+    """The text of a sidecar by which all parts of a STEP file are one link, of a density that is not known yet."""
+    lines = ("version: 1", f"robot: {scalar(robot_name(step_stem(step.name)))}", f"step: {scalar(step.name)}")
+    return "\n".join((*lines, "defaults: {density: todo}", "links: {body: {rest: true}}", ""))
+
+
 def robot_name(stem: str) -> str:
     """The name with invalid characters replaced."""
     return re.sub(r"[\s/<>&\"'\\:*?|.\x00-\x1f\x7f]+", "_", stem).strip("_")[:100] or "robot"
