@@ -1,7 +1,7 @@
 """Simulation in PyBullet: passive motion, and loops closed by added constraints, since no file format has them."""
 
 from collections.abc import Mapping, Sequence
-from math import ceil, dist, isfinite
+from math import ceil, dist, inf, isfinite, isnan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +25,7 @@ leaves coupled loops open four to eight times as wide."""
 _SWEEPS_OF_ONE = 50
 """PyBullet's default, for a loop of its own, whatever else is in the robot."""
 _SWEEPS_OF_SLOW = (1000, 10000)
-"""The same where loops are driven slowly, and where they are still open: links of very different mass converge late."""
+"""The same where loops are driven slowly, and where they are still open."""
 _THRESHOLD = 1e-7
 """PyBullet's default of the squared residual at which the solver stops."""
 _ROUNDING = 1e-9
@@ -103,22 +103,26 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
     """Drive the mechanism through its range, loops closed by constraints, and report the gaps.
 
     Loops without common joints are driven one after the other, all other joints held: PyBullet's constraints drift
-    when links that carry them move. Joint damping is switched off: it does not affect the poses of the links.
+    when links that carry them move. Joint damping is switched off, and all links get one mass and inertia, for good:
+    they do not affect the poses of the links, and the solver converges late where they differ.
     """
     engine = body.engine
     engine.setTimeStep(STEP)
     for index in body.coordinates.values():
         engine.changeDynamics(body.id, index, jointDamping=0.0)
+    _even_out(body)
     observed: dict[str, ObservedClosure] = {}
     notes = ["loops closed by stepbot's point-to-point constraints, 1 ms steps, at most 1 rad/s"]
     regular = tuple(way[:count] for way, count in zip(request.ways, request.regular, strict=False))
     left_out = sum(map(len, request.ways)) - sum(map(len, regular))
     for closures, joints in _coupled(body, request):
         found = _driven(body, request, closures, joints)
+        off, before = _off(found, request), inf
         for sweeps in _SWEEPS_OF_SLOW if any(len(way) > 1 for way in regular) else ():
-            if not any(_is_astray(one, request) for one in found):
+            if off <= 1.0 or off > 0.5 * before:  # closed, or as open as it was drawn
                 break
             found = _driven(body, replace(request, ways=regular), closures, joints, slowly=sweeps)
+            off, before = _off(found, request), off
             if left_out and len(notes) == 1:
                 notes.append(
                     f"{left_out} of {len(request.closed)} configurations left out: loops are near a singularity"
@@ -127,12 +131,27 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
     return tuple(observed[closure.name] for closure in request.closures), tuple(notes)
 
 
-def _is_astray(one: ObservedClosure, request: Request) -> bool:
-    """Whether a loop opened, or its joints moved elsewhere: next to a dead centre, links outrun the solver."""
+def _even_out(body: "Body") -> None:
+    """Share the mass of a body among its links, each with a radius of gyration of the mean distance of its joints."""
+    engine, count = body.engine, len(body.joints)
+    masses = [float(engine.getDynamicsInfo(body.id, index)[0]) for index in range(-1, count)]
+    share = max(1e-3, exact_sum(masses)) / count
+    size = exact_sum(float(np.linalg.norm(joint[14])) for joint in body.joints) / count or SECOND_POINT
+    for index in range(count):
+        engine.changeDynamics(body.id, index, mass=share, localInertiaDiagonal=[share * size * size] * 3)
+
+
+def _off(found: Sequence[ObservedClosure], request: Request) -> float:
+    """How far loops opened, or their joints moved elsewhere, in tolerances.
+
+    Next to a dead centre, links outrun the solver.
+    """
     from . import ENGINE
 
     wide = ENGINE.several_loops if len(request.closures) > 1 and ENGINE.several_loops else ENGINE.tolerances["closures"]
-    return not ((one.residual or 0.0) <= wide.absolute and (one.angle_error or 0.0) <= (ENGINE.driven_angle or 0.0))
+    gaps = [(one.residual or 0.0) / wide.absolute for one in found]
+    angles = [(one.angle_error or 0.0) / (ENGINE.driven_angle or inf) for one in found]
+    return max(inf if isnan(one) else one for one in (*gaps, *angles))
 
 
 def _driven(
