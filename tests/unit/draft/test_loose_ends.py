@@ -103,3 +103,11 @@ def test_both_sides_of_a_fork_are_on_what_they_stand_beside() -> None:
     kinds = [kind for kind, *_ in joints(found)]
     assert kinds == ["revolute"]
     assert any({"cheek -40", "cheek 40"} <= link for link in links(found))
+
+
+def test_a_mechanism_beside_a_large_body_without_joints_gets_a_placeholder() -> None:
+    """What turns stands apart from a chassis that has no joint: one hinge, and a fixed joint between both."""
+    hinge = part("bracket", box(40, 40, 10) - cylinder(4, 10).at(0, 0, -5), z=200)
+    arm = part("arm", box(80, 20, 6).at(30, 0, 8) + cylinder(3.9, 20).at(0, 0, -10), z=200)
+    found = inferred(part("chassis", CHASSIS), hinge, arm)
+    assert sorted(str(arc.evidence.type) for arc in found.arcs) == ["fixed", "revolute"]

@@ -26,6 +26,10 @@ OFFSET, ANGLE = 6e-4, 0.021
 """Distance [m] and angle [rad], 1.2 degrees, up to which lines are nearly the same."""
 _BESIDE = 1e-3
 """Gap [m] between two parts, and between two holes along their axis, up to which they are compared."""
+_END, _SAME_RADIUS = 3e-4, 1e-5
+"""Gap [m] of two round bodies end to end, in each other or apart, and difference of their radii, up to which they were
+drawn flush.
+"""
 _OTHER_LINE = 1e-3
 """Distance [m] from which fits of two parts are on two lines."""
 
@@ -46,7 +50,7 @@ class NearFit(Struct, frozen=True, eq=False):
     radius: float
     """Of the narrower face [m]."""
     shaft: int
-    """The inner part; -1 for two holes."""
+    """The inner part; -1 for two holes, and for two ends that meet."""
 
     def of(self, part: int) -> Axis:
         """The axis of the face of a part."""
@@ -123,14 +127,15 @@ def _between(pair: Pair, one: _Round, two: _Round) -> list[NearFit]:
     slack = np.maximum(LOOSEST, SLACK_SHARE * wide)
     shafts = (one.bores[:, None] ^ two.bores[None]) & (gaps < 0.0) & (wide - thin < slack)
     holes = bores & (gaps < _BESIDE) & (wide < HOLE_RATIO * thin)
-    close = (sines < ANGLE) & (apart < OFFSET) & (shafts | holes)
+    ends = ~(one.bores[:, None] | two.bores[None]) & (np.abs(gaps) < _END) & (wide - thin < _SAME_RADIUS)
+    close = (sines < ANGLE) & (apart < OFFSET) & (shafts | holes | ends)
     best: list[NearFit] = []
     for n, m in sorted(np.argwhere(close).tolist(), key=lambda k: (round(float(apart[k[0], k[1]]), 9), k)):
         axis = Axis(one.points[n], one.directions[n])
         if all(
             axis.distance(known.axis.point) > _OTHER_LINE or not axis.is_along(known.axis.d, ANGLE) for known in best
         ):
-            kind = FitKind.SHAFT if shafts[n, m] else FitKind.HOLES
+            kind = FitKind.SHAFT if shafts[n, m] else FitKind.FLUSH if ends[n, m] else FitKind.HOLES
             other = Axis(two.points[m], two.directions[m])
             inner = pair[int(one.bores[n])] if kind == FitKind.SHAFT else -1
             off = float(apart[n, m]), float(sines[n, m]), float(thin[n, m])

@@ -19,7 +19,7 @@ from stepbot.draft.evidence.gears import SAME_GEAR
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.evidence.wheels import Feet, is_wheel
 from stepbot.draft.mechanism.decide import Decision
-from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
@@ -67,7 +67,7 @@ class Mechanism:
 
     def __init__(self, made: Decision, structure: Structure) -> None:
         self._made, self._survey, self._structure = made, made.survey, structure
-        self._clusters = made.clusters
+        self._clusters, self._off = made.clusters, max(SAME_LINE, made.survey.slack[0])
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
         self._dropped: list[float] = []
@@ -189,7 +189,7 @@ class Mechanism:
         if len(balls) == len(others) > 1 and first.axis.direction is not None:
             # A stud with balls on its axis, which turn in their sockets; a rod with one may be that of a strut.
             return first if all(first.axis.distance(j.axis.point) < _SAME_CENTRE for j in others) else None
-        if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis) for j in joints):
+        if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis, self._off) for j in joints):
             return min(joints, key=self._hold)
         if len(joints) == 1 and self._is_pin(members, joints[0]) and not self._is_flange(root, members, joints[0]):
             return joints[0] if joints[0].evidence.type in (JointKind.REVOLUTE, JointKind.UNIVERSAL) else None
@@ -211,7 +211,7 @@ class Mechanism:
         """Unite a body with two joints about one axis, and no other, across the plain one or a face beside a pin."""
         of = self._of()
         for middle, joints in sorted(of.items()):
-            if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, _SAME_CENTRE):
+            if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, max(_SAME_CENTRE, self._off)):
                 continue
             plain, other = sorted(joints, key=lambda j: _firmness(j.evidence))
             weak, strong = plain.evidence, other.evidence
@@ -237,7 +237,7 @@ class Mechanism:
                     one, two = j.other(hub), k.other(hub)
                     if (
                         one == two
-                        or not j.axis.same(k.axis, _SAME_CENTRE)
+                        or not j.axis.same(k.axis, max(_SAME_CENTRE, self._off))
                         or self._has_wheel(one)
                         or self._has_wheel(two)
                     ):

@@ -138,6 +138,7 @@ class LooseEnds:
                 mine = min(held, key=lambda q: (self._gap(groups[q], groups[other]), q))
                 self._mechanism.joints.append(self._placeholder(groups, other, mine))
                 self._join_equal(groups, mine, held, other)
+                self._join_equal(groups, other, [q for q in tied.members(other) if q in jointed or q == other], mine)
             tied.join(mine, other)
 
     def _join_equal(self, groups: dict[int, list[int]], mine: int, piece: Sequence[int], other: int) -> None:
