@@ -410,3 +410,22 @@ def test_shapes_for_mjx_are_those_of_all_modules(composed: Callable[..., Robot])
     plain = FOR_MJX.replace("defaults: {collision: {for: mjx}}", "")
     as_drawn = composed({"whole.robot.yaml": plain, "disc.urdf": DISC}, Diagnostics())
     assert any(isinstance(one.geometry, Cylinder) for link in as_drawn.links for one in link.collisions)
+
+
+BROKEN = {
+    "bracket": "variants:\n  b: {x: [1, 2\n",
+    "character": "variants: {b: \x01}\n",
+    "depth": f"variants: {'[' * 3000}\n",
+}
+
+
+@pytest.mark.parametrize("text", BROKEN.values(), ids=BROKEN)
+@pytest.mark.parametrize("command", ["check", "diff"])
+def test_names_of_variants_are_read_from_broken_sidecars(command: str, text: str, tmp_path: Path) -> None:
+    """What is wrong is reported where the whole is read: an unclosed bracket, a control character, a depth."""
+    path = tmp_path / "broken.robot.yaml"
+    path.write_text(f"version: 1\nrobot: broken\n{text}", encoding="utf-8")
+    run = stepbot(command, path.name, *([path.name] if command == "diff" else []), cwd=tmp_path)
+    assert run.code in (1, 2)
+    assert "SB901" not in run.out + run.err
+    assert "broken.robot.yaml:" in run.out + run.err

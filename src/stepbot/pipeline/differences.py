@@ -58,8 +58,8 @@ def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostic
         None after errors.
     """
     rows = _differing(old, new, options, found)
-    named = [_variants(path) for path in (old, new)]
     if rows is not None and not options.variant:
+        named = [_variants(path) for path in (old, new)]
         of_all = [*rows]
         rows += [Difference("variants", f"variant '{name}'", "removed") for name in named[0] if name not in named[1]]
         rows += [Difference("variants", f"variant '{name}'", "added") for name in named[1] if name not in named[0]]

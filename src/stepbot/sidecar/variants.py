@@ -6,9 +6,11 @@ Every value keeps the place where it is written, so that an error in a merged si
 from collections.abc import Iterator
 from pathlib import Path
 
+from ruamel.yaml.error import YAMLError
+
 from stepbot.diagnostics import Diagnostics, did_you_mean
 
-from .compose import compose
+from .compose import TooMuchError, compose
 from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, span, way
 
 _NAMED = (*ELEMENTS, "modules")
@@ -24,7 +26,10 @@ _OF_FILE = ("by", "home", "set", "without", "variant", "rename", "flip")
 
 def variant_names(text: str) -> tuple[str, ...]:
     """The names of the variants in a sidecar's text; empty if it has none or is no valid YAML."""
-    root = compose(text, "", Diagnostics())
+    try:
+        root = compose(text, "", Diagnostics())
+    except (YAMLError, TooMuchError):
+        return ()
     variants = child(root, "variants") if root is not None else None
     return tuple(variants.entries) if isinstance(variants, Mapping) else ()
 
