@@ -112,7 +112,8 @@ class CollisionSettings(Section):
     for_: Annotated[CollisionTarget | None, Field(alias="for")] = None
     """The simulator that must accept all shapes: `mjx` gets no cylinders, and hulls of at most 20 faces.
 
-    In `defaults`, links also get one piece each, and pairs of links that overlap never or always are excluded."""
+    In `defaults`, links also get one piece each, and pairs of links that overlap never or always are excluded.
+    """
     max_hulls: Annotated[int, Field(ge=1, le=1000)] | None = None
     """Maximum number of convex pieces of a link, or of a component with its own rule; 16 by default, 1 for MJX."""
     max_vertices: Annotated[int, Field(ge=8, le=10000)] | None = None

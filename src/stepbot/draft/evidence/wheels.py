@@ -226,9 +226,7 @@ class Feet:
         """
         found = []
         for d in (-axis.d, axis.d):
-            reach = np.maximum(self._boxes[:, 0] * d, self._boxes[:, 1] * d).sum(axis=1)
-            level = float(reach.max())
-            last = {self._parts[k] for k in np.flatnonzero(reach > level - self._near).tolist()}
+            level, last = self._last(d)
             roots = {sides.find(i) if i in sides else -1 for i in last}
             if len(roots) == 1 and -1 not in roots:
                 found.append((roots.pop(), self._width(last, Axis(axis.point, d), level)))
@@ -238,13 +236,17 @@ class Feet:
         """The number of parts that end along an axis in flat faces where some parts do: feet on one ground."""
         most = 0
         for d in (-axis.d, axis.d):
-            reach = np.maximum(self._boxes[:, 0] * d, self._boxes[:, 1] * d).sum(axis=1)
-            level = float(reach.max())
-            last = {self._parts[k] for k in np.flatnonzero(reach > level - self._near).tolist()}
+            level, last = self._last(d)
             mine, down = last.intersection(members), Axis(axis.point, d)
             if mine and self._width(mine, down, level):
                 most = max(most, sum(self._width({i}, down, level) > 0.0 for i in last))
         return most
+
+    def _last(self, d: Array) -> tuple[float, set[int]]:
+        """How far [m] the assembly reaches along a direction, and the parts that end there."""
+        reach = np.maximum(self._boxes[:, 0] * d, self._boxes[:, 1] * d).sum(axis=1)
+        level = float(reach.max())
+        return level, {self._parts[k] for k in np.flatnonzero(reach > level - self._near).tolist()}
 
     def _width(self, parts: set[int], down: Axis, level: float) -> float:
         """The largest distance [m] from an axis of plane faces on the ground, which it points to."""

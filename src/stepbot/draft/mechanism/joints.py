@@ -67,7 +67,7 @@ class Mechanism:
 
     def __init__(self, made: Decision, structure: Structure) -> None:
         self._made, self._survey, self._structure = made, made.survey, structure
-        self._clusters, self._off = made.clusters, max(SAME_LINE, made.survey.slack[0])
+        self._clusters, self._off, self._feet = made.clusters, max(SAME_LINE, made.survey.slack[0]), Feet(made.survey)
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
         self._dropped: list[float] = []
@@ -344,7 +344,7 @@ class Mechanism:
         return bool(along > _ROD * hypot(*across))
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
-        feet, rolling = Feet(self._survey).count_beside(members, joint.axis), self._made.evidence.rolling
+        feet, rolling = self._feet.count_beside(members, joint.axis), self._made.evidence.rolling
         if is_wheel(self._survey, rolling, members, joint.axis) and feet <= max(2, len(rolling)):
             return True  # the assembly stands on it
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
@@ -354,8 +354,7 @@ class Mechanism:
         is_group = all(self._structure.are_together(i, members[0]) for i in members if i not in self._survey.small)
         is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
         is_heavy = self._survey.total_volume(members) > _SCREW * self._survey.volume
-        is_link = is_large or (is_group and is_heavy and len(members) > 1)
-        return is_link and feet < 2
+        return feet < 2 and (is_large or (is_group and is_heavy and len(members) > 1))
 
     def _is_flange(self, root: int, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body at the end of a chain has a circle of holes that nothing is in or in line with, for a tool."""
@@ -378,8 +377,9 @@ class Mechanism:
 
 def _firmness(h: JointEvidence) -> int:
     """Order of two joints in a row about one line: a face on a face is none beside a pin, nor either beside a motor."""
-    via = h.relation.via if h.relation is not None and not h.by_role else None
-    return 3 if h.drives else {Via.FACE: 0, Via.PIN: _PINNED}.get(via, 2) if via is not None else 2
+    if h.drives or h.relation is None or h.by_role:
+        return 3 if h.drives else 2
+    return {Via.FACE: 0, Via.PIN: _PINNED}.get(h.relation.via, 2)
 
 
 def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
