@@ -94,3 +94,20 @@ def distinct_rows(rows: NDArray[Any]) -> tuple[Indices, Indices]:
     kinds = np.empty(len(order), dtype=np.int64)
     kinds[order] = np.cumsum(begins) - 1
     return order[begins], kinds
+
+
+def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
+    """For each of ``count`` elements, the lowest element that pairs (left, right) connect to it, including itself."""
+    labels = np.arange(count, dtype=np.int64)
+    while True:
+        a, b = labels[left], labels[right]
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        apart = low != high
+        if not apart.any():
+            return labels
+        np.minimum.at(labels, high[apart], low[apart])
+        while True:
+            shorter = labels[labels]
+            if (shorter == labels).all():
+                break
+            labels = shorter

@@ -15,7 +15,7 @@ from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import Selector
-from stepbot.step.structure.paths import find_one
+from stepbot.step.structure.paths import ComponentPaths
 from stepbot.verification.self_collision.worker import ContactSearch
 from stepbot.viewing.joining import lines_of_origin, shared_lines
 
@@ -129,7 +129,7 @@ def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json
 
 def _below(assembly: Assembly, pattern: str) -> Sequence[int]:
     """A component and all below it; nothing for a pattern without a component of its own."""
-    found = find_one(assembly, pattern).topmost
+    found = ComponentPaths(assembly.components).find_one(pattern).topmost
     return list(assembly.subtree(found[0])) if len(found) == 1 else []
 
 

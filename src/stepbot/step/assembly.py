@@ -224,14 +224,6 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
         return tuple(tuple(indices) for indices in below)
 
     @cached_property
-    def first_of_body(self) -> dict[int, int]:
-        """For each body the index of its first component."""
-        first: dict[int, int] = {}
-        for component in self.components:
-            first.setdefault(component.body, component.index)
-        return first
-
-    @cached_property
     def occurrences(self) -> dict[int, tuple[int, ...]]:
         """For each body the indices of its components, in file order."""
         found: dict[int, list[int]] = {}

@@ -4,7 +4,7 @@ Transfer builds shapes without healing them: healing takes most of its time, and
 parallel (:mod:`stepbot.step.shapes.healing`).
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -133,10 +133,24 @@ def evaluated(evaluate: Callable[[Any], T], shapes: Iterable[Any], errors: list[
     return found
 
 
+def explored(shape: Any, kind: TopAbs_ShapeEnum) -> Iterator[Any]:
+    """The shapes of a kind in a shape, as often as they occur in it; each is valid until the next."""
+    explorer = TopExp_Explorer(shape, kind)
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
+
+
+def mapped(shape: Any, kind: TopAbs_ShapeEnum) -> ShapeMap:
+    """The shapes of a kind in a shape, each once, in file order, numbered from 1."""
+    found = ShapeMap()
+    TopExp.MapShapes_s(shape, kind, found)
+    return found
+
+
 def faces_of(shape: Any) -> list[Any]:
     """The faces of a shape, each once, in file order, with their orientation in it."""
-    found = ShapeMap()
-    TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_FACE, found)
+    found = mapped(shape, TopAbs_ShapeEnum.TopAbs_FACE)
     return [TopoDS.Face(found.FindKey(index)) for index in range(1, found.Extent() + 1)]
 
 
@@ -145,10 +159,6 @@ def mean_of_vertices(shape: Any) -> Array | None:
 
     The kernel integrates about this point.
     """
-    explorer = TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_VERTEX)
-    points = []
-    while explorer.More():
-        point = BRep_Tool.Pnt_s(TopoDS.Vertex(explorer.Current()))
-        points.append((point.X(), point.Y(), point.Z()))
-        explorer.Next()
+    corners = (BRep_Tool.Pnt_s(TopoDS.Vertex(one)) for one in explored(shape, TopAbs_ShapeEnum.TopAbs_VERTEX))
+    points = [(point.X(), point.Y(), point.Z()) for point in corners]
     return np.mean(points, axis=0) if points else None

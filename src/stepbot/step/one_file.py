@@ -115,13 +115,16 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
     elsewhere = _elsewhere(file, session, products, definitions.all, found)
     if elsewhere is None:
         return None
-    made_of = optional(
-        "materials",
-        place,
-        found,
-        lambda: [_material(definition, materials, products) for definition in definitions.all],
-        [StepMaterial()] * len(definitions.all),
-    )
+
+    def materials_of(materials: Materials) -> list[StepMaterial]:
+        return [
+            StepMaterial() if one.product == NONE else materials.of(products.products[one.product].entity, one.name)
+            for one in definitions.all
+        ]
+
+    made_of = [StepMaterial()] * len(definitions.all)
+    if materials is not None:
+        made_of = optional("materials", place, found, lambda: materials_of(materials), made_of)
     mechanisms = optional("mechanisms", place, found, lambda: mechanism_count(session), 0)
     return FileContent(place, session, unit, products, definitions, made_of, mechanisms, elsewhere)
 
@@ -139,30 +142,31 @@ def _elsewhere(
     elsewhere: dict[int, int] = {}
     is_complete = True
     for link in file.links:
-        product = product_of.get(id(entity_of(session, link.definition)), NONE)
+        reference = link.reference
+        product = product_of.get(id(entity_of(session, reference.definition)), NONE)
         index = definition_of.get(product, NONE) if product != NONE else NONE
         if index != NONE and (definitions[index].bodies or definitions[index].children or index in elsewhere):
             if elsewhere.get(index) != link.file:
-                message = f"'{link.product}': external file '{link.name}' is not needed and was not read"
-                found.add("SB231", message, Span(file.place, link.line, 1))
+                message = f"'{reference.product}': external file '{reference.name}' is not needed and was not read"
+                found.add("SB231", message, Span(file.place, reference.line, 1))
         elif index == NONE:
             _report_missing(link, file.place, found)
             is_complete = False
         elif link.file == NO_FILE:
             _report_missing(link, file.place, found)
-            definitions[index].missing = link.name
+            definitions[index].missing = reference.name
         else:
             elsewhere[index] = link.file
     return elsewhere if is_complete else None
 
 
 def _report_missing(link: Link, place: str, found: Diagnostics) -> None:
-    fault = link.fault or "but the assembly does not define its pose"
-    message = f"the geometry of '{link.product}' is in file '{link.name}', {fault}"
-    if not link.definition:
-        message = f"geometry is in file '{link.name}', but the assembly does not say which part it is"
+    reference, fault = link.reference, link.fault or "but the assembly does not define its pose"
+    message = f"the geometry of '{reference.product}' is in file '{reference.name}', {fault}"
+    if not reference.definition:
+        message = f"geometry is in file '{reference.name}', but the assembly does not say which part it is"
     help = link.help or ("export the assembly as one STEP file, with external references switched off",)
-    found.add("SB203", message, Span(place, link.line, 1), help=help)
+    found.add("SB203", message, Span(place, reference.line, 1), help=help)
 
 
 def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
@@ -176,9 +180,3 @@ def _check_solids(written: int, definitions: list[Definition], place: str, found
             Span(place),
             help=["compare the solids of `stepbot inspect` with those in CAD"],
         )
-
-
-def _material(definition: Definition, materials: Materials | None, products: Products) -> StepMaterial:
-    if definition.product == NONE or materials is None:
-        return StepMaterial()
-    return materials.of(products.products[definition.product].entity, definition.name)

@@ -22,8 +22,6 @@ from . import BODY_SECONDS, KERNEL
 from .assembly import Assembly, ReadOptions
 from .exchange.file_set import StepFile, check_files
 
-__all__ = ["DEFAULT_TIMEOUT", "Reading", "read_assembly", "start_reading"]
-
 _SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpat.so.1": "libexpat1"}
 """Shared libraries that the kernel's wheel requires from the system, and their Debian packages."""
 _NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC")

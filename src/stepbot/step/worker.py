@@ -11,9 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from msgspec.structs import replace
-from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 from OCP.TopAbs import TopAbs_ShapeEnum
-from OCP.TopExp import TopExp
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Finding, Span
 from stepbot.geometry.mass_properties import prepare as prepare_measuring
@@ -27,12 +25,12 @@ from .content import Content, read_content
 from .exchange.encodings import encoding_fact
 from .exchange.file_set import StepFile
 from .exchange.part21 import Part21
-from .kernel import OUT_OF_MEMORY
+from .kernel import OUT_OF_MEMORY, mapped
 from .one_file import optional
 from .shapes.bodies import BodyRequest, ReadBody, read_body
 from .shapes.splitting import variant
 from .structure.repetition import definition_tolerances
-from .structure.source import NONE, BodySource, Definition
+from .structure.source import NONE, BodySource
 from .validation.comparison import compare
 
 
@@ -109,7 +107,8 @@ class _Bodies:
         self._first = self._first_components()
         for definition, _ in keys:
             if content.definitions[definition].has_spare_curves:
-                self._report_curves(content.definitions[definition])
+                message = f"'{content.definitions[definition].name}': its curves and points are ignored"
+                found.add("SB216", message, Span(place))
 
     def make(self, options: ReadOptions, attempt: Attempt | None) -> dict[tuple[int, int], Body]:
         """Each body once, by the number of its definition and its own number in it."""
@@ -138,8 +137,8 @@ class _Bodies:
 
         if options.refine_mass_to > 0.0:
             prepare_measuring()  # once, before there are several processes
-        weights = [_edge_count(source) for source in self._sources]
-        order = sorted(range(len(weights)), key=lambda number: -weights[number])
+        edges = [mapped(source.shape, TopAbs_ShapeEnum.TopAbs_EDGE).Extent() for source in self._sources]
+        order = sorted(range(count), key=lambda number: -edges[number])
         # Processes with threads cannot fork safely: then this process makes all bodies.
         processes, seconds = (None, BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
 
@@ -190,9 +189,6 @@ class _Bodies:
         message = f"'{component.path}'{more}: {finding.message}"
         self._found.add(finding.code, message, Span(self._place), help=finding.help)
 
-    def _report_curves(self, definition: Definition) -> None:
-        self._found.add("SB216", f"'{definition.name}': its curves and points are ignored", Span(self._place))
-
     def _first_components(self) -> dict[int, tuple[Component, int]]:
         """For each body, the first component that displays it, and the number of others."""
         first: dict[int, tuple[Component, int]] = {}
@@ -217,10 +213,3 @@ def _outline(source: BodySource) -> Body:
     holds_solid = not source.is_wire and source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID
     kind = BodyKind.WIRE if source.is_wire else BodyKind.SOLID if holds_solid else BodyKind.SURFACE
     return Body(kind, TriMesh.of(np.empty((0, 3)), np.empty((0, 3))), np.empty(0, np.int32), (None,), False)
-
-
-def _edge_count(source: BodySource) -> int:
-    """Estimated work for a body."""
-    edges = ShapeMap()
-    TopExp.MapShapes_s(source.shape, TopAbs_ShapeEnum.TopAbs_EDGE, edges)
-    return int(edges.Extent())

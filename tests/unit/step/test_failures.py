@@ -30,7 +30,7 @@ STEPS = [
     ("shapes.bodies.surface_area", "integrating its area"),
     ("shapes.bodies.refine", "refining its measuring mesh"),
     ("one_file.Materials", "reading materials"),
-    ("one_file._material", "reading materials"),
+    ("one_file.Materials.of", "reading materials"),
     ("one_file.mechanism_count", "reading mechanisms"),
     ("content._stated", "reading validation properties"),
     ("worker.compare", "reading validation properties"),

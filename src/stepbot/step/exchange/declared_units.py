@@ -43,6 +43,11 @@ _PREFIXES = {
     StepBasic_SiPrefix.StepBasic_spFemto: ("f", 1e-15),
     StepBasic_SiPrefix.StepBasic_spAtto: ("a", 1e-18),
 }
+_KINDS: dict[Quantity, tuple[type, type]] = {
+    "length": (StepBasic_SiUnitAndLengthUnit, StepBasic_ConversionBasedUnitAndLengthUnit),
+    "mass": (StepBasic_SiUnitAndMassUnit, StepBasic_ConversionBasedUnitAndMassUnit),
+    "volume": (StepBasic_SiUnitAndVolumeUnit, StepBasic_ConversionBasedUnitAndVolumeUnit),
+}
 _SI = {"length": ("m", 1.0), "mass": ("g", 1e-3), "volume": ("m^3", 1.0)}
 
 KNOWN_LENGTHS = {
@@ -103,7 +108,7 @@ def derived_unit(measure: Any) -> DerivedUnit | None:
 
 def declared_unit(unit: Any, depth: int = 0) -> DeclaredUnit:
     """Name and size of a named unit of the file; the nesting is limited, because files with cycles exist."""
-    quantity = _quantity(unit)
+    quantity: Quantity = next((one for one, kinds in _KINDS.items() if isinstance(unit, kinds)), "other")
     if quantity == "other" or depth > 5:
         return DeclaredUnit("other", "", 0.0)
     if isinstance(unit, StepBasic_SiUnit):
@@ -118,16 +123,6 @@ def declared_unit(unit: Any, depth: int = 0) -> DeclaredUnit:
     known = KNOWN_LENGTHS.get(name, 0.0) if quantity == "length" else 0.0
     # 2.54 times 0.01 is not 0.0254 in floating point, but that is the intended value
     return DeclaredUnit(quantity, name, known if math.isclose(size, known, rel_tol=1e-12) else size)
-
-
-def _quantity(unit: Any) -> Quantity:
-    if isinstance(unit, StepBasic_SiUnitAndLengthUnit | StepBasic_ConversionBasedUnitAndLengthUnit):
-        return "length"
-    if isinstance(unit, StepBasic_SiUnitAndMassUnit | StepBasic_ConversionBasedUnitAndMassUnit):
-        return "mass"
-    if isinstance(unit, StepBasic_SiUnitAndVolumeUnit | StepBasic_ConversionBasedUnitAndVolumeUnit):
-        return "volume"
-    return "other"
 
 
 def _converted(unit: StepBasic_ConversionBasedUnit, quantity: Quantity, depth: int) -> float:

@@ -29,7 +29,7 @@ class Entities:
 
     def keywords(self, number: int) -> tuple[str, ...]:
         """The types of an entity; several of a complex instance."""
-        return tuple(record.keyword for record in self._parsed(number))
+        return tuple(record.keyword for record in self.records(number))
 
     def keyword(self, number: int, keyword: str) -> bool:
         """Whether an entity has a type."""
@@ -54,7 +54,7 @@ class Entities:
 
     def own_numbers(self, number: int) -> tuple[float | None, ...]:
         """The numbers after the last reference and the last flag of the most derived type; None for an unset one."""
-        parsed = self._parsed(number)
+        parsed = self.records(number)
         if not parsed:
             return ()
         own = max(parsed, key=lambda record: record.keyword.endswith("RANGE") or record.keyword == "SCREW_PAIR")
@@ -92,18 +92,15 @@ class Entities:
 
     def records(self, number: int) -> tuple[Record, ...]:
         """The types of an entity with their parameters; several of a complex instance."""
-        return self._parsed(number)
-
-    def _values(self, number: int) -> list[Value]:
-        return [value for record in self._parsed(number) for value in _flat(record.parameters)]
-
-    def _parsed(self, number: int) -> tuple[Record, ...]:
         if number not in self._records:
             try:
                 self._records[number] = records(self._bodies[number]) if number in self._bodies else ()
             except SyntaxFault:  # the kernel reports invalid statements
                 self._records[number] = ()
         return self._records[number]
+
+    def _values(self, number: int) -> list[Value]:
+        return [value for record in self.records(number) for value in _flat(record.parameters)]
 
 
 def read_entities(data: bytes, encoding: str) -> Entities:

@@ -28,13 +28,7 @@ _ABSOLUTE = re.compile(r"[A-Za-z]:|[/\\]|[A-Za-z][A-Za-z0-9+.-]+:")
 class Link(Struct, frozen=True):
     """A product whose shape is in another file."""
 
-    definition: int
-    """Entity number of the product definition; 0 if the file does not state it."""
-    product: str
-    name: str
-    """The name of the other file in the reference."""
-    line: int
-    """Line of the reference."""
+    reference: ExternalReference
     file: int = NONE
     """Index of the other file; -1 if it cannot be read."""
     fault: str = ""
@@ -112,13 +106,13 @@ def _walk(
             target = _resolve(reference, name.parent, step.parent, folder, taken)
             if isinstance(target, tuple):
                 fault, help = target
-                links.append(_link(reference, fault=fault, help=(*help, _ONE_FILE)))
+                links.append(Link(reference, NONE, fault, (*help, _ONE_FILE)))
                 continue
             real = resolved(target)
             if real not in index:
                 index[real] = len(index)
                 pending.append((target, PurePosixPath(target.relative_to(step.parent).as_posix())))
-            links.append(_link(reference, index[real]))
+            links.append(Link(reference, index[real]))
         yield path, name, tuple(links)
 
 
@@ -164,7 +158,3 @@ def _meant(path: Path | None, taken: Collection[str]) -> tuple[str, ...]:
         return ()
     beside = [name for name in beside if name not in taken]
     return did_you_mean(path.name, beside) if path is not None else ()
-
-
-def _link(reference: ExternalReference, file: int = NONE, fault: str = "", help: tuple[str, ...] = ()) -> Link:
-    return Link(reference.definition, reference.product, reference.name, reference.line, file, fault, help)

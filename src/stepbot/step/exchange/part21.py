@@ -253,9 +253,6 @@ def _read_header(text: bytes, encoding: str) -> Header:
 
 
 def _text(argument: bytes | list[bytes], encoding: str) -> str:
-    return "" if isinstance(argument, list) or argument == b"$" else _decoded(argument[1:-1], encoding)
-
-
-def _decoded(raw: bytes, encoding: str) -> str:
-    """The content of a string between its quotes, in any encoding."""
-    return decode_string(raw, encoding) if encoding else decode_string(raw, FALLBACK, "replace")
+    if isinstance(argument, list) or argument == b"$":
+        return ""
+    return decode_string(argument[1:-1], encoding or FALLBACK, "strict" if encoding else "replace")

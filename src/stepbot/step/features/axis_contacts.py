@@ -68,11 +68,6 @@ class Meeting(Struct, frozen=True):
     overlap: float
     """Length [m] along the line that both cover; negative for a gap between them."""
 
-    @property
-    def rank(self) -> int:
-        """0 for the strongest evidence."""
-        return _RANKS.index(self.basis)
-
 
 def meeting(a: Spans, b: Spans) -> Meeting:
     """How the faces of two sides, at least one of each, meet: the pair with the strongest evidence.

@@ -20,13 +20,10 @@ from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
 from OCP.gp import gp_Ax1, gp_Cone, gp_Cylinder, gp_Pln, gp_Pnt, gp_Sphere, gp_Vec
 from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
-from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
-from stepbot.step.kernel import KERNEL_ERRORS, OUT_OF_MEMORY, evaluated
-
 from ..assembly import AxisFace
-from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel import KERNEL_ERRORS, MILLIMETRES_PER_METRE, OUT_OF_MEMORY, evaluated, explored
 
 _SAMPLES = 16
 """Number of samples on a curve between which its extremes are searched."""
@@ -49,18 +46,12 @@ def axis_faces(faces: list[Any], errors: list[str]) -> tuple[AxisFace, ...]:
 def _axis_face(face: Any) -> AxisFace | None:
     surface = BRepAdaptor_Surface(face)
     quadric = _quadric(face, surface)
-    if quadric is None:
+    if quadric is None or (size := size_on(quadric, face)) is None:
         return None
-    axis = quadric.Axis()
-    low, high = extent(face, axis)
-    if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
-        return None
-    if isinstance(quadric, gp_Cone):
-        radius, is_cone = max(cone_radius(quadric, low), cone_radius(quadric, high)), True
-    else:
-        radius, is_cone = quadric.Radius(), False
+    low, high, radius = size
     if not radius > _SMALLEST:  # degenerate to a line, in broken files
         return None
+    axis = quadric.Axis()
     point, direction, scale = axis.Location(), axis.Direction(), MILLIMETRES_PER_METRE
     return AxisFace(
         (point.X() / scale, point.Y() / scale, point.Z() / scale),
@@ -69,7 +60,7 @@ def _axis_face(face: Any) -> AxisFace | None:
         low / scale,
         high / scale,
         is_bore(face, surface, axis),
-        is_cone,
+        isinstance(quadric, gp_Cone),
     )
 
 
@@ -82,37 +73,41 @@ def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
     return revolved(face) if kind in FREE_FORMS else None
 
 
-def cone_radius(cone: gp_Cone, at: float) -> float:
-    """Radius [mm] of a cone at a position along its axis."""
-    return abs(float(cone.RefRadius()) + at * math.tan(cone.SemiAngle()))
+def size_on(quadric: gp_Cylinder | gp_Cone, face: Any) -> tuple[float, float, float] | None:
+    """Lowest and highest position [mm] of a face's edges along the axis of its quadric, and its radius [mm].
+
+    Of a cone, the larger radius. None for a face without an extent, or an infinite one.
+    """
+    low, high = math.inf, -math.inf
+    for edge in map(TopoDS.Edge, explored(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
+        if not BRep_Tool.Degenerated_s(edge):
+            for place in _extremes(BRepAdaptor_Curve(edge), quadric.Axis()):
+                low, high = min(low, place), max(high, place)
+    if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
+        return None
+    if isinstance(quadric, gp_Cone):
+        start, slope = float(quadric.RefRadius()), math.tan(quadric.SemiAngle())
+        return low, high, max(abs(start + low * slope), abs(start + high * slope))
+    return low, high, quadric.Radius()
 
 
-def is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
-    """Whether the outward normal of the face points towards the axis."""
+def outwards(face: Any, surface: Any) -> tuple[gp_Pnt, gp_Vec]:
+    """A point [mm] in the middle of a face's parameters, and its outward normal there, not of unit length."""
     u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
     v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
     at, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
     surface.D1(u, v, at, along_u, along_v)
     normal = along_u.Crossed(along_v)
+    return at, normal.Reversed() if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED else normal
+
+
+def is_bore(face: Any, surface: Any, axis: gp_Ax1) -> bool:
+    """Whether the outward normal of the face points towards the axis."""
+    at, normal = outwards(face, surface)
     # Along the axis the normal of a cone leans either way; only its component away from the axis counts.
-    along, outwards = gp_Vec(axis.Direction()), gp_Vec(axis.Location(), at)
-    outwards.Subtract(along.Multiplied(outwards.Dot(along)))
-    is_reversed = face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
-    return bool((normal.Dot(outwards) < 0.0) != is_reversed)
-
-
-def extent(face: Any, axis: gp_Ax1) -> tuple[float, float]:
-    """Lowest and highest position [mm] of a face's edges along a line."""
-    low, high = math.inf, -math.inf
-    edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
-    while edges.More():
-        edge = TopoDS.Edge(edges.Current())
-        edges.Next()
-        if BRep_Tool.Degenerated_s(edge):
-            continue
-        for place in _extremes(BRepAdaptor_Curve(edge), axis):
-            low, high = min(low, place), max(high, place)
-    return low, high
+    along, away = gp_Vec(axis.Direction()), gp_Vec(axis.Location(), at)
+    away.Subtract(along.Multiplied(away.Dot(along)))
+    return bool(normal.Dot(away) < 0.0)
 
 
 def _extremes(curve: Any, axis: gp_Ax1) -> list[float]:

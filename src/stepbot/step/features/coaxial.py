@@ -4,13 +4,13 @@ A line is given by a point near its faces, and a direction whose sign has no mea
 because lines that are a milliradian apart diverge with distance.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from stepbot.geometry.fixed_point import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows, merged_labels
 from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
 Indices = NDArray[np.intp]
@@ -52,7 +52,7 @@ def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
     keys = np.column_stack([kinds.of, feet])
     first, rod_of = distinct_rows(keys)
     rods = rays.rows(first)
-    group_of = _connected(len(first), zip(*close_pairs(rods, rods, distance, angle), strict=True))
+    group_of = merged_labels(len(first), *close_pairs(rods, rods, distance, angle))
     group_of_face = group_of[rod_of]
     order = np.argsort(group_of_face, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(group_of_face[order])) + 1)
@@ -136,20 +136,3 @@ def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices
         close = np.linalg.norm(P[p] - Q[q], axis=1) <= distance * (1 + 1e-9)
         found.append((p[close], q[close]))
     return np.concatenate([p for p, _ in found]), np.concatenate([q for _, q in found])
-
-
-def _connected(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
-    """For each of n elements, the smallest index connected to it by pairs."""
-    root = list(range(n))
-
-    def find(i: int) -> int:
-        while root[i] != i:
-            root[i] = root[root[i]]
-            i = root[i]
-        return i
-
-    for i, j in pairs:
-        a, b = find(int(i)), find(int(j))
-        if a != b:
-            root[max(a, b)] = min(a, b)
-    return np.array([find(i) for i in range(n)], dtype=np.intp)

@@ -10,17 +10,15 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
-from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Pnt, gp_Sphere, gp_Vec
+from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
-from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
-from stepbot.geometry.spatial import Array, Vector3, dot, vector3
-from stepbot.step.kernel import evaluated
+from stepbot.geometry.spatial import ZERO3, Array, Vector3, bounds, dot, vector3
 
 from ..faces import Face, FaceKind
-from ..kernel import MILLIMETRES_PER_METRE
-from .axis_faces import FREE_FORMS, cone_radius, extent, is_bore, recognized
+from ..kernel import MILLIMETRES_PER_METRE, evaluated, explored
+from .axis_faces import FREE_FORMS, is_bore, outwards, recognized, size_on
 
 _SMALLEST = 1e-3
 """Radius [mm] below which a face is ignored."""
@@ -30,6 +28,13 @@ _SEGMENTS = 16
 """Number of straight segments for a curved edge."""
 _ALL_ROUND = 2.0 * math.pi
 _NO_AXIS = (0.0, 0.0, 1.0)
+_FORMS = {
+    GeomAbs_SurfaceType.GeomAbs_Plane: BRepAdaptor_Surface.Plane,
+    GeomAbs_SurfaceType.GeomAbs_Cylinder: BRepAdaptor_Surface.Cylinder,
+    GeomAbs_SurfaceType.GeomAbs_Cone: BRepAdaptor_Surface.Cone,
+    GeomAbs_SurfaceType.GeomAbs_Sphere: BRepAdaptor_Surface.Sphere,
+}
+"""The form of a surface of a type."""
 
 
 def read_faces(faces: list[Any], errors: list[str]) -> tuple[Face, ...]:
@@ -59,21 +64,14 @@ def _read_face(face: Any) -> Face | None:
 def _geometry(face: Any, surface: Any) -> Any:
     """The plane, cylinder, cone or sphere of a face; None for others."""
     kind = surface.GetType()
-    if kind == GeomAbs_SurfaceType.GeomAbs_Plane:
-        return surface.Plane()
-    if kind == GeomAbs_SurfaceType.GeomAbs_Cylinder:
-        return surface.Cylinder()
-    if kind == GeomAbs_SurfaceType.GeomAbs_Cone:
-        return surface.Cone()
-    if kind == GeomAbs_SurfaceType.GeomAbs_Sphere:
-        return surface.Sphere()
+    if kind in _FORMS:
+        return _FORMS[kind](surface)
     return recognized(face) if kind in FREE_FORMS else None
 
 
 def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3]) -> Face:
     normal = np.array(_xyz(plane.Axis().Direction()))
-    _, outwards = _outwards(face, surface)
-    if dot(outwards, normal) < 0.0:
+    if dot(np.array(_xyz(outwards(face, surface)[1])), normal) < 0.0:
         normal = -normal
     # A point in the middle of the face's box keeps coordinates small.
     middle = 0.5 * (np.array(box[0]) + np.array(box[1]))
@@ -82,16 +80,11 @@ def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3])
 
 
 def _revolved(face: Any, surface: Any, quadric: Any, box: tuple[Vector3, Vector3]) -> Face | None:
-    axis = quadric.Axis()
-    low, high = extent(face, axis)
-    if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
+    size = size_on(quadric, face)
+    if size is None or not size[2] > _SMALLEST:
         return None
-    if isinstance(quadric, gp_Cone):
-        kind, radius = FaceKind.CONE, max(cone_radius(quadric, low), cone_radius(quadric, high))
-    else:
-        kind, radius = FaceKind.CYLINDER, quadric.Radius()
-    if not radius > _SMALLEST:
-        return None
+    low, high, radius = size
+    kind, axis = FaceKind.CONE if isinstance(quadric, gp_Cone) else FaceKind.CYLINDER, quadric.Axis()
     direction = np.array(_xyz(axis.Direction()))
     point = np.array(_metres(axis.Location())) + direction * (0.5 * (low + high) / MILLIMETRES_PER_METRE)
     return Face(
@@ -102,22 +95,10 @@ def _revolved(face: Any, surface: Any, quadric: Any, box: tuple[Vector3, Vector3
 
 def _sphere(face: Any, surface: Any, sphere: gp_Sphere, box: tuple[Vector3, Vector3]) -> Face:
     centre = _metres(sphere.Location())
-    at, outwards = _outwards(face, surface)
-    is_socket = bool((at - np.array(centre)) @ outwards < 0.0)
+    at, normal = outwards(face, surface)
+    is_socket = bool((np.array(_metres(at)) - np.array(centre)) @ np.array(_xyz(normal)) < 0.0)
     radius = sphere.Radius() / MILLIMETRES_PER_METRE
     return Face(FaceKind.SPHERE, centre, _NO_AXIS, box, radius, bore=is_socket, span=_span(surface))
-
-
-def _outwards(face: Any, surface: Any) -> tuple[Array, Array]:
-    """A point [m] in the middle of a face's parameters, and its outward normal there."""
-    u = 0.5 * (surface.FirstUParameter() + surface.LastUParameter())
-    v = 0.5 * (surface.FirstVParameter() + surface.LastVParameter())
-    at, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
-    surface.D1(u, v, at, along_u, along_v)
-    normal = np.array(_xyz(along_u.Crossed(along_v)))
-    if face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
-        normal = -normal
-    return np.array(_metres(at)), normal
 
 
 def _span(surface: Any) -> float:
@@ -131,32 +112,21 @@ def _box(face: Any) -> tuple[Vector3, Vector3]:
     box = Bnd_Box()
     BRepBndLib.Add_s(face, box, False)
     if box.IsVoid():
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        return ZERO3, ZERO3
     box.SetGap(0.0)
     if not box.IsOpen():
         low, high = box.CornerMin(), box.CornerMax()
         if low.Distance(high) < _LARGEST:
             return _metres(low), _metres(high)
-    return _edge_box(face)
-
-
-def _edge_box(face: Any) -> tuple[Vector3, Vector3]:
-    """The bounding box of a face's edges, for faces on infinite surfaces."""
-    rings = _rings(face)
-    if not rings:
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    points = np.concatenate(rings)
-    return vector3(points.min(axis=0)), vector3(points.max(axis=0))
+    rings = _rings(face)  # of a face on an infinite surface
+    return bounds(np.concatenate(rings)) if rings else (ZERO3, ZERO3)
 
 
 def _rings(face: Any) -> tuple[Array, ...]:
     """Outline of a face, the outer wire first."""
     outer = BRepTools.OuterWire_s(face)
     rings: list[Array] = []
-    wires = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_WIRE)
-    while wires.More():
-        wire = TopoDS.Wire(wires.Current())
-        wires.Next()
+    for wire in map(TopoDS.Wire, explored(face, TopAbs_ShapeEnum.TopAbs_WIRE)):
         pieces = []
         edges = BRepTools_WireExplorer(wire, face)
         while edges.More():

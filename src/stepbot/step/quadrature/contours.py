@@ -15,12 +15,12 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Curve2d
 from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.gp import gp_Pnt, gp_Pnt2d
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
-from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array, matrix_product
 
+from ..kernel import explored
 from .curves import Curve, curve_of
 from .splines import Indices
 
@@ -106,10 +106,7 @@ class Contours(Struct):
 
 def edges_of(face: Any) -> Iterator[tuple[Any, bool]]:
     """The edges of a face that faces forward, and whether each runs backwards; none that lie inside of it."""
-    explorer = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
-    while explorer.More():
-        edge = TopoDS.Edge(explorer.Current())
-        explorer.Next()
+    for edge in map(TopoDS.Edge, explored(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
         orientation = edge.Orientation()
         if orientation in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED):
             yield edge, orientation == TopAbs_Orientation.TopAbs_REVERSED

@@ -25,9 +25,8 @@ from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.step.kernel import faces_of
 
-from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel import MILLIMETRES_PER_METRE, faces_of
 from .contours import Contours, Rule, add_curved, add_planar, gauss
 from .curves import curve_of, spline_surface
 from .splines import Indices, SplineSurface
@@ -105,7 +104,7 @@ class _Surface(Struct, frozen=True, eq=False, dict=True):
             faces, (u, v) = rule.faces[cut], rule.uv[cut].T
             section, du = patch.section(u, faces), -self.signs[faces] * rule.du[cut]
             for rows, low, high, lengths in _panels(starts[cut], v, patch.breaks[1], parts):
-                points, flux = section.at(rows, low + (high - low) * nodes[:, None])
+                points, flux = section(rows, low + (high - low) * nodes[:, None])
                 total += _moments(points, du[rows] * lengths * weights[:, None] * flux)
         return total
 
@@ -226,11 +225,6 @@ def _sum(parts: Sequence[Array]) -> Array:
     for part in parts:
         total += part
     return total
-
-
-def quadrature(shape: Any, origin: Array, parts: int) -> Array:
-    """The integrals of :meth:`Boundary.integrals`, of a solid that is integrated over once."""
-    return Boundary(shape, origin).integrals(parts)
 
 
 def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:

@@ -5,7 +5,7 @@ of its boundary: the parameters u of those points are given beforehand, so that 
 Points of a section are arrays (3, n, m), n on each of m ways along v: numpy is fastest where the last axis is long.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,16 +23,12 @@ _EXACT_DEGREE = 5
 """Degree of a B-spline along v up to which that many points are exact."""
 
 
-class Section(Protocol):
-    """A patch at given parameters u."""
+Section = Callable[[Indices, Array], tuple[Array, Array]]
+"""A patch at given parameters u: points (3, n, m) and flux densities (n, m) on m ways along v.
 
-    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        """Points (3, n, m) and flux densities (n, m) on m ways along v.
-
-        Args:
-            rows: Shape (m,): which of the given u each is at.
-            v: Shape (n, m), or (n, 1) for the same parameters on all; no break lies between those of one way.
-        """
+Its arguments are ``rows`` (m,), which of the given u each is at, and ``v``, shape (n, m), or (n, 1) for the same
+parameters on all; no break lies between those of one way.
+"""
 
 
 class Patch(Protocol):
@@ -88,18 +84,17 @@ class Planes(Struct, frozen=True, eq=False):
         normal = np.cross(frames.x, frames.y)
         flux = (frames.origins * normal).sum(axis=1)
         start = frames.origins[faces] + u[:, None] * frames.x[faces]
-        return _PlaneSection(start.T, frames.y[faces].T, flux[faces])
+        return _straight(start.T, frames.y[faces].T, flux[faces])
 
 
-class _PlaneSection(Struct, frozen=True, eq=False):
-    start: Array
-    """Shape (3, k), and so is ``along``."""
-    along: Array
-    flux: Array
+def _straight(start: Array, along: Array, flux: Array) -> Section:
+    """A section of lines, from their starts and directions (3, k), and the flux densities (k,) on them."""
 
-    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        points = self.start[:, None, rows] + v * self.along[:, None, rows]
-        return points, np.broadcast_to(self.flux[rows], points.shape[1:])
+    def at(rows: Indices, v: Array) -> tuple[Array, Array]:
+        points = start[:, None, rows] + v * along[:, None, rows]
+        return points, np.broadcast_to(flux[rows], points.shape[1:])
+
+    return at
 
 
 class Quadrics(Struct, frozen=True, eq=False):
@@ -117,25 +112,18 @@ class Quadrics(Struct, frozen=True, eq=False):
         frames = self.frames
         handed = np.sign((np.cross(frames.x, frames.y) * frames.z).sum(axis=1))[faces]
         outwards = np.cos(u)[:, None] * frames.x[faces] + np.sin(u)[:, None] * frames.y[faces]
-        return _QuadricSection(frames.origins[faces].T, frames.z[faces].T, outwards.T, handed, self.shape[faces].T)
+        vectors, shape = (frames.origins[faces].T, frames.z[faces].T, outwards.T), self.shape[faces].T
 
+        def at(rows: Indices, v: Array) -> tuple[Array, Array]:
+            r0, s, q, c = shape[:, rows]
+            cos, sin = q * np.cos(v), q * np.sin(v)
+            radius, height = r0 + s * v + cos, c * v + sin
+            origin, axis, outward = (each[:, None, rows] for each in vectors)
+            point = origin + radius * outward + height * axis
+            out, up = _dot(point, outward), _dot(point, axis)
+            return point, handed[rows] * radius * ((c + cos) * out - (s - sin) * up)
 
-class _QuadricSection(Struct, frozen=True, eq=False):
-    origins: Array
-    """Shape (3, k), and so are ``axes`` and ``outwards``."""
-    axes: Array
-    outwards: Array
-    handed: Array
-    shape: Array
-
-    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        r0, s, q, c = self.shape[:, rows]
-        cos, sin = q * np.cos(v), q * np.sin(v)
-        radius, height = r0 + s * v + cos, c * v + sin
-        origins, axes, outwards = (vectors[:, None, rows] for vectors in (self.origins, self.axes, self.outwards))
-        point = origins + radius * outwards + height * axes
-        out, up = _dot(point, outwards), _dot(point, axes)
-        return point, self.handed[rows] * radius * ((c + cos) * out - (s - sin) * up)
+        return at
 
 
 class Splined(Struct, frozen=True, eq=False):
@@ -160,15 +148,8 @@ class Splined(Struct, frozen=True, eq=False):
 
     def section(self, u: Array, _faces: Indices) -> Section:
         """See :meth:`Patch.section`."""
-        return _SplinedSection(self.surface, self.surface.sections(u))
-
-
-class _SplinedSection(Struct, frozen=True, eq=False):
-    surface: SplineSurface
-    sections: tuple[Array, Array]
-
-    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        return _with_flux(*self.surface.at(self.sections, rows, v))
+        sections = self.surface.sections(u)
+        return lambda rows, v: _with_flux(*self.surface.at(sections, rows, v))
 
 
 class Extruded(Struct, frozen=True, eq=False):
@@ -190,7 +171,7 @@ class Extruded(Struct, frozen=True, eq=False):
         points, tangents = self.curve.at(u)
         points = points - self.origin
         flux = (points * np.cross(tangents, self.direction)).sum(axis=1)
-        return _PlaneSection(points.T, np.broadcast_to(self.direction, points.shape).T, flux)
+        return _straight(points.T, np.broadcast_to(self.direction, points.shape).T, flux)
 
 
 class Revolved(Struct, frozen=True, eq=False):
@@ -211,27 +192,22 @@ class Revolved(Struct, frozen=True, eq=False):
 
     def section(self, u: Array, _faces: Indices) -> Section:
         """See :meth:`Patch.section`."""
-        return _RevolvedSection(self, np.cos(u), np.sin(u))
+        center, axis, all_cos, all_sin = self.center, self.axis, np.cos(u), np.sin(u)
 
+        def at(rows: Indices, v: Array) -> tuple[Array, Array]:
+            points, tangents = self.curve.at(v.reshape(-1))
+            cos, sin = all_cos[rows], all_sin[rows]
 
-class _RevolvedSection(Struct, frozen=True, eq=False):
-    patch: Revolved
-    cos: Array
-    sin: Array
+            def turned(vectors: Array) -> Array:
+                along = dot(vectors, axis)[:, None] * axis
+                across, beside = vectors - along, np.cross(axis, vectors)
+                fixed, a, b = (each.T.reshape(3, *v.shape) for each in (along, across, beside))
+                return np.stack([fixed + cos * a + sin * b, cos * b - sin * a])
 
-    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        points, tangents = self.patch.curve.at(v.reshape(-1))
-        center, axis = self.patch.center, self.patch.axis
-        cos, sin = self.cos[rows], self.sin[rows]
+            point, by_u = turned(points - center)
+            return _with_flux(point + (center - self.origin)[:, None, None], by_u, turned(tangents)[0])
 
-        def turned(vectors: Array) -> Array:
-            along = dot(vectors, axis)[:, None] * axis
-            across, beside = vectors - along, np.cross(axis, vectors)
-            fixed, a, b = (each.T.reshape(3, *v.shape) for each in (along, across, beside))
-            return np.stack([fixed + cos * a + sin * b, cos * b - sin * a])
-
-        at, by_u = turned(points - center)
-        return _with_flux(at + (center - self.patch.origin)[:, None, None], by_u, turned(tangents)[0])
+        return at
 
 
 class Sampled(Struct, frozen=True, eq=False):
@@ -245,23 +221,19 @@ class Sampled(Struct, frozen=True, eq=False):
 
     def section(self, u: Array, _faces: Indices) -> Section:
         """See :meth:`Patch.section`."""
-        return _SampledSection(self, u)
 
+        def at(rows: Indices, v: Array) -> tuple[Array, Array]:
+            v = np.broadcast_to(v, (len(v), len(rows)))
+            found = np.empty((9, v.size))
+            point, by_u, by_v = gp_Pnt(), gp_Vec(), gp_Vec()
+            us = np.broadcast_to(u[rows], v.shape)
+            for i, (a, b) in enumerate(zip(us.reshape(-1).tolist(), v.reshape(-1).tolist(), strict=True)):
+                self.adaptor.D1(a, b, point, by_u, by_v)
+                found[:, i] = [c for each in (point, by_u, by_v) for c in (each.X(), each.Y(), each.Z())]
+            points, along_u, along_v = found.reshape(3, 3, *v.shape)
+            return _with_flux(points - self.origin[:, None, None], along_u, along_v)
 
-class _SampledSection(Struct, frozen=True, eq=False):
-    patch: Sampled
-    u: Array
-
-    def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        v = np.broadcast_to(v, (len(v), len(rows)))
-        found = np.empty((9, v.size))
-        point, by_u, by_v = gp_Pnt(), gp_Vec(), gp_Vec()
-        u = np.broadcast_to(self.u[rows], v.shape)
-        for i, (a, b) in enumerate(zip(u.reshape(-1).tolist(), v.reshape(-1).tolist(), strict=True)):
-            self.patch.adaptor.D1(a, b, point, by_u, by_v)
-            found[:, i] = [c for each in (point, by_u, by_v) for c in (each.X(), each.Y(), each.Z())]
-        at, along_u, along_v = found.reshape(3, 3, *v.shape)
-        return _with_flux(at - self.patch.origin[:, None, None], along_u, along_v)
+        return at
 
 
 def _with_flux(point: Array, by_u: Array, by_v: Array) -> tuple[Array, Array]:

@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 from msgspec import Struct, field
-from msgspec.structs import replace
 from numpy.typing import NDArray
 from OCP.BRep import BRep_Tool
 from OCP.TopAbs import TopAbs_ShapeEnum
@@ -20,17 +19,15 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Rgba
-from stepbot.step.features.axis_faces import face_counts
-from stepbot.step.kernel import OUT_OF_MEMORY, faces_of
-from stepbot.step.structure.source import BodySource
 
-from ..assembly import CERTAIN, AxisFace, Body, BodyKind, MeshTolerance
-from ..features.axis_faces import axis_faces
+from ..assembly import CERTAIN, Body, BodyKind, MeshTolerance
+from ..features.axis_faces import axis_faces, face_counts
 from ..features.face_reading import read_faces
-from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel import MILLIMETRES_PER_METRE, OUT_OF_MEMORY, faces_of
+from ..structure.source import BodySource
 from .error_estimate import Estimate, by_mesh, estimated
 from .exact import Refinement, integrate, refine, surface_area, volume_properties
-from .healing import Healed, copied, healed, sewn, share_within, unhealed, with_islands
+from .healing import Healed, copied, healed, sewn, share_within, with_islands
 from .splitting import split
 from .stitching import Stitched, merged_by_position
 from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated
@@ -39,8 +36,6 @@ from .triangles import faceted_faces
 _ROUNDING = 1e-12
 """Volume over area^1.5 below which a body has no volume."""
 T = TypeVar("T")
-
-_NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
 class ReadBody(Struct, frozen=True, eq=False):
@@ -103,7 +98,8 @@ class _Work(Struct):
 def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     """Heal, measure and mesh a body."""
     if source.is_wire:
-        return ReadBody(_wire())
+        none, defect = np.empty(0, dtype=np.int32), "curves and points only: no surface and no mass"
+        return ReadBody(Body(BodyKind.WIRE, TriMesh.of(np.empty((0, 3)), none), none, (None,), False, defect))
     shape = copied(source.shape)
     if not any(BRep_Tool.Surface_s(face) is not None for face in faces_of(shape)):
         return _triangles_only(source, shape)
@@ -122,11 +118,16 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
     watertight = is_watertight(mesh.faces)
     defect = _defect(work, result, wanted, watertight)
-    body = _body(work, result.mesh, mesh, watertight, defect, _refined(work, mesh, result, request, watertight), axes)
+    refined = _refined(work, mesh, result, request, watertight)
+    face_colors, colors = _colored(source.face_colors, work.healed.origin, result.mesh)
     counts: tuple[tuple[str, int], ...] = work.optional("counting its faces", lambda: face_counts(found), ())
-    body = replace(body, face_counts=counts)
-    if request.faces:
-        body = replace(body, faces=work.of_faces("reading faces", read_faces, found))
+    faces = work.of_faces("reading faces", read_faces, found) if request.faces else ()
+    body = Body(
+        *(work.kind, mesh, face_colors, colors, watertight, defect, work.exact, work.exact_error, refined, axes),
+        area=work.area,
+        faces=faces,
+        face_counts=counts,
+    )
     return ReadBody(body, tuple(work.findings))
 
 
@@ -138,7 +139,8 @@ def _mesh_only(source: BodySource, shape: object, request: BodyRequest) -> ReadB
     result = plainly_tessellated(body.shape, fineness(request.tolerances, diagonal(body.shape)))
     mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
     defect = work.say("SB233", f"measuring it and finding its axes failed ({request.only_mesh}); it has a mesh alone")
-    return ReadBody(_body(work, result.mesh, mesh, False, defect, None, ()), tuple(work.findings))
+    colored = _colored(source.face_colors, body.origin, result.mesh)
+    return ReadBody(Body(work.kind, mesh, *colored, False, defect), tuple(work.findings))
 
 
 def _refined(
@@ -256,27 +258,10 @@ def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:
     return bool(exact.volume * MILLIMETRES_PER_METRE**3 < _ROUNDING * mesh.area**1.5)
 
 
-def _body(
-    work: _Work,
-    stitched: Stitched,
-    mesh: TriMesh,
-    watertight: bool,
-    defect: str,
-    refined: VolumeProperties | None,
-    faces: tuple[AxisFace, ...],
-) -> Body:
-    face_colors, colors = _colored(work.source.face_colors, work.healed.origin, stitched)
-    return Body(
-        *(work.kind, mesh, face_colors, colors, watertight, defect),
-        *(work.exact, work.exact_error, refined, faces, work.area),
-    )
-
-
 def _triangles_only(source: BodySource, shape: object) -> ReadBody:
     """A body given as triangles: joined at equal points, oriented outwards if it is closed."""
-    body = unhealed(shape)
-    found, _ = faceted_faces(faces_of(shape))
-    stitched = split(merged_by_position(found))
+    faces = faces_of(shape)  # unhealed: without surfaces, healing would tear them apart
+    stitched = split(merged_by_position(faceted_faces(faces)[0]))
     watertight = is_watertight(stitched.faces)
     repaired = ""
     if not watertight and (consistent := stitched.consistent()):
@@ -286,13 +271,8 @@ def _triangles_only(source: BodySource, shape: object) -> ReadBody:
     findings = [Finding("SB217", repaired)] if repaired else []
     mesh = TriMesh.of(stitched.vertices / MILLIMETRES_PER_METRE, stitched.faces)
     defect = "" if watertight else "its triangles are not closed; it encloses no volume"
-    face_colors, colors = _colored(source.face_colors, body.origin, stitched)
-    return ReadBody(Body(BodyKind.TESSELLATED, mesh, face_colors, colors, watertight, defect), tuple(findings))
-
-
-def _wire() -> Body:
-    none = np.empty(0, dtype=np.int32)
-    return Body(BodyKind.WIRE, _NO_MESH, none, (None,), False, "curves and points only: no surface and no mass")
+    colored = _colored(source.face_colors, list(range(len(faces))), stitched)
+    return ReadBody(Body(BodyKind.TESSELLATED, mesh, *colored, watertight, defect), tuple(findings))
 
 
 def _colored(

@@ -22,19 +22,16 @@ from msgspec import Struct
 from msgspec.structs import replace
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
-from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
 from OCP.TopAbs import TopAbs_ShapeEnum
-from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.step.kernel import faces_of, mean_of_vertices
 
 from ..assembly import CERTAIN
-from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel import MILLIMETRES_PER_METRE, faces_of, mapped, mean_of_vertices
 from ..quadrature.solids import Boundary, properties_of
 from .exact import adaptive_volume
 from .stitching import Stitched
@@ -122,8 +119,7 @@ def is_simple(shape: Any) -> bool:
     """Whether all faces are planes, cylinders, cones, spheres or tori, and all edges short."""
     if any(BRepAdaptor_Surface(face, False).GetType() not in _SIMPLE for face in faces_of(shape)):
         return False
-    edges = ShapeMap()
-    TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_EDGE, edges)
+    edges = mapped(shape, TopAbs_ShapeEnum.TopAbs_EDGE)
     for index in range(1, edges.Extent() + 1):
         edge = TopoDS.Edge(edges.FindKey(index))
         if BRep_Tool.Degenerated_s(edge):

@@ -22,17 +22,16 @@ from OCP.BRepBuilderAPI import (
 )
 from OCP.BRepClass3d import BRepClass3d_SolidClassifier
 from OCP.BRepLib import BRepLib
-from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 from OCP.ShapeFix import ShapeFix_Shape
 from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
-from OCP.TopExp import TopExp, TopExp_Explorer
+from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Solid
 
 from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array, Pose, cross
-from stepbot.step.kernel import MILLIMETRES_PER_METRE, faces_of
 
+from ..kernel import MILLIMETRES_PER_METRE, faces_of, mapped
 from .exact import integrate, surface_area
 from .stitching import Indices, Stitched
 
@@ -69,21 +68,20 @@ def healed(shape: Any, precision: float, colored: list[int]) -> Healed:
         precision: Its uncertainty [mm].
         colored: Indices of the faces to be tracked.
     """
-    before = _faces(shape)
+    before = mapped(shape, TopAbs_ShapeEnum.TopAbs_FACE)
     fix = ShapeFix_Shape(shape)
     fix.SetPrecision(precision)
     fix.SetMaxTolerance(max(precision, _MAX_TOLERANCE))
     fix.SetMinTolerance(min(precision, _MIN_TOLERANCE))
     fix.Perform()
     result = fix.Shape()
-    after = _faces(result)
+    after = mapped(result, TopAbs_ShapeEnum.TopAbs_FACE)
     origin = [-1] * after.Extent()
     for place in colored:
         replacement = fix.Context().Apply(before.FindKey(place + 1))
         if replacement is None or replacement.IsNull():
             continue
-        pieces = ShapeMap()
-        TopExp.MapShapes_s(replacement, TopAbs_ShapeEnum.TopAbs_FACE, pieces)
+        pieces = mapped(replacement, TopAbs_ShapeEnum.TopAbs_FACE)
         for piece in range(1, pieces.Extent() + 1):
             index = after.FindIndex(pieces.FindKey(piece))
             if index > 0:
@@ -96,11 +94,8 @@ def with_islands(body: Healed) -> Healed | None:
 
     Healing turns every inner shell inwards, so that a lump inside a void would be subtracted.
     """
-    solids = ShapeMap()
-    TopExp.MapShapes_s(body.shape, TopAbs_ShapeEnum.TopAbs_SOLID, solids)
-    shells = ShapeMap()
-    TopExp.MapShapes_s(body.shape, TopAbs_ShapeEnum.TopAbs_SHELL, shells)
-    if solids.Extent() != 1 or shells.Extent() < 3:
+    shells = mapped(body.shape, TopAbs_ShapeEnum.TopAbs_SHELL)
+    if mapped(body.shape, TopAbs_ShapeEnum.TopAbs_SOLID).Extent() != 1 or shells.Extent() < 3:
         return None
     alone = [_outwards(TopoDS.Shell(shells.FindKey(index))) for index in range(1, shells.Extent() + 1)]
     corners = (TopExp_Explorer(solid, TopAbs_ShapeEnum.TopAbs_VERTEX).Current() for solid in alone)
@@ -128,17 +123,6 @@ def _outwards(shell: Any) -> Any:
     solid = BRepBuilderAPI_MakeSolid(shell).Solid()
     BRepLib.OrientClosedSolid_s(solid)
     return solid
-
-
-def unhealed(shape: Any) -> Healed:
-    """A shape unchanged: triangles without surfaces would be torn apart."""
-    return Healed(shape, list(range(_faces(shape).Extent())))
-
-
-def _faces(shape: Any) -> ShapeMap:
-    found = ShapeMap()
-    TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_FACE, found)
-    return found
 
 
 _GAP = 1e-3
@@ -171,17 +155,12 @@ def sewn(body: Healed, precision: float) -> Healed | None:
     volume = integrate(solid).Mass()
     if surface_area(solid) * MILLIMETRES_PER_METRE**2 * gap > _MOST_CHANGED * abs(volume):
         return None
-    origin = _origin(body, faces, sewing, solid)
-    return Healed(solid if volume > 0.0 else solid.Reversed(), origin)
-
-
-def _origin(body: Healed, faces: list[Any], sewing: Any, solid: Any) -> list[int]:
-    """For each face of the solid, its original face before healing."""
     became = [sewing.Modified(face) if sewing.IsModified(face) else face for face in faces]
-    return [
+    origins = [
         next((origin for old, origin in zip(became, body.origin, strict=True) if old.IsSame(face)), -1)
         for face in faces_of(solid)
     ]
+    return Healed(solid if volume > 0.0 else solid.Reversed(), origins)
 
 
 _SAMPLES = 64

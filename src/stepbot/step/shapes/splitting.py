@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import Array, Vector3
+from stepbot.geometry.spatial import Array, vector3
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.step.assembly import AxisFace, Body
 
@@ -114,22 +114,20 @@ def variant(body: Body, *, is_mirrored: bool, scale: float) -> Body:
     )
 
 
-def _properties(found: VolumeProperties | None, factors: Vector3 | np.ndarray, scale: float) -> VolumeProperties | None:
+def _properties(found: VolumeProperties | None, factors: Array, scale: float) -> VolumeProperties | None:
     if found is None:
         return None
-    S = np.diag(np.asarray(factors) / scale)
+    S = np.diag(factors / scale)
     inertia = S @ np.array(found.unit_density.inertia) @ S  # a reflection is its own inverse
-    com = np.asarray(factors) * np.array(found.unit_density.com)
+    com = factors * np.array(found.unit_density.com)
     return VolumeProperties.of(found.volume * scale**3, com, inertia * scale**5)
 
 
-def _axis_face(face: AxisFace, factors: np.ndarray, scale: float) -> AxisFace:
-    px, py, pz = (np.array(face.point) * factors).tolist()
-    dx, dy, dz = (np.array(face.direction) * factors / scale).tolist()
+def _axis_face(face: AxisFace, factors: Array, scale: float) -> AxisFace:
     return replace(
         face,
-        point=(px, py, pz),
-        direction=(dx, dy, dz),
+        point=vector3(np.array(face.point) * factors),
+        direction=vector3(np.array(face.direction) * factors / scale),
         radius=face.radius * scale,
         low=face.low * scale,
         high=face.high * scale,

@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from stepbot.geometry.fixed_point import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows, merged_labels
 from stepbot.geometry.mesh import signed_volume
 from stepbot.geometry.spatial import Array
 
@@ -115,23 +115,6 @@ def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
     places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
     first, kinds = distinct_rows(nodes)
     return _assembled(nodes, first[kinds][triangles], places, 0)
-
-
-def merged_labels(count: int, left: Indices, right: Indices) -> Indices:
-    """For each of ``count`` elements, the lowest element that pairs (left, right) connect to it, including itself."""
-    labels = np.arange(count, dtype=np.int64)
-    while True:
-        a, b = labels[left], labels[right]
-        low, high = np.minimum(a, b), np.maximum(a, b)
-        apart = low != high
-        if not apart.any():
-            return labels
-        np.minimum.at(labels, high[apart], low[apart])
-        while True:
-            shorter = labels[labels]
-            if (shorter == labels).all():
-                break
-            labels = shorter
 
 
 def _same_points(uses: Sequence[EdgeUse], starts: dict[int, int]) -> tuple[Indices, Indices]:

@@ -22,14 +22,12 @@ from OCP.Geom2d import Geom2d_Line
 from OCP.gp import gp_Dir2d
 from OCP.IMeshTools import IMeshTools_MeshAlgoType, IMeshTools_Parameters
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
-from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.predicates import is_watertight
-from stepbot.step.kernel import faces_of
 
 from ..assembly import MeshTolerance
-from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel import MILLIMETRES_PER_METRE, explored, faces_of
 from .splitting import split
 from .stitching import Stitched, stitched
 from .triangles import edge_uses, faceted_faces
@@ -192,16 +190,12 @@ _SLANT = 1e-9
 
 def straighten(faces: list[Any]) -> int:
     """Make lines nearly parallel to an axis of parameter space exactly parallel, in place; returns their number."""
-    return sum(_straighten_face(TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))) for face in faces)
-
-
-def _straighten_face(face: Any) -> int:
-    changed = 0
-    edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
-    while edges.More():
-        changed += _straighten_edge(TopoDS.Edge(edges.Current().Oriented(TopAbs_Orientation.TopAbs_FORWARD)), face)
-        edges.Next()
-    return changed
+    forward = TopAbs_Orientation.TopAbs_FORWARD
+    return sum(
+        _straighten_edge(TopoDS.Edge(edge.Oriented(forward)), face)
+        for face in (TopoDS.Face(face.Oriented(forward)) for face in faces)
+        for edge in explored(face, TopAbs_ShapeEnum.TopAbs_EDGE)
+    )
 
 
 def _straighten_edge(edge: Any, face: Any) -> bool:

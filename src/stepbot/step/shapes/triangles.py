@@ -9,18 +9,18 @@ import io
 from typing import Any
 
 import numpy as np
-from msgspec import Struct
 from numpy.typing import NDArray
 from OCP.BinTools import BinTools
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
-from OCP.TopExp import TopExp, TopExp_Explorer
+from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face
 
 from stepbot.geometry.spatial import Array, rotated
 
+from ..kernel import explored
 from .stitching import EdgeUse, FacetedFace
 
 
@@ -32,12 +32,6 @@ _SECTION = b"\nTriangulations "
 _COUNTS_AND_FLAGS = 10
 
 
-class _Facets(Struct, frozen=True, eq=False):
-    face: Any
-    triangulation: Any
-    location: Any
-
-
 def faceted_faces(faces: list[Any]) -> tuple[list[FacetedFace], list[int]]:
     """The triangles of faces, and the indices of faces without triangles."""
     meshed, empty = [], []
@@ -47,15 +41,16 @@ def faceted_faces(faces: list[Any]) -> tuple[list[FacetedFace], list[int]]:
         if triangulation is None or triangulation.NbTriangles() == 0:
             empty.append(place)
         else:
-            meshed.append((place, _Facets(face, triangulation, location)))
-    arrays = _arrays([facets.triangulation for _, facets in meshed])
+            meshed.append((place, face, triangulation, location))
+    arrays = _arrays([triangulation for _, _, triangulation, _ in meshed])
     result = []
-    for (place, facets), (nodes, triangles) in zip(meshed, arrays, strict=True):
+    for (place, face, _, location), (nodes, triangles) in zip(meshed, arrays, strict=True):
         if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(nodes):
             raise BrokenTriangles(f"a triangle refers to a node beyond the {len(nodes)} nodes of its face")
-        if not facets.location.IsIdentity():
-            nodes = _moved(nodes, facets.location.Transformation())
-        if _is_turned(facets):
+        is_mirrored = False
+        if not location.IsIdentity():
+            nodes, is_mirrored = _moved(nodes, location.Transformation()), location.Transformation().IsNegative()
+        if (face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED) != is_mirrored:
             triangles = triangles[:, ::-1]
         result.append(FacetedFace(place, nodes, triangles))
     return result, empty
@@ -68,10 +63,7 @@ def edge_uses(faces: list[Any]) -> list[EdgeUse]:
     for place, face in enumerate(faces):
         location = TopLoc_Location()
         triangulation = BRep_Tool.Triangulation_s(face, location)
-        inside = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
-        while inside.More():
-            edge = TopoDS.Edge(inside.Current())
-            inside.Next()
+        for edge in map(TopoDS.Edge, explored(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
             number = edges.Add(edge)
             if edge.Orientation() in (TopAbs_Orientation.TopAbs_INTERNAL, TopAbs_Orientation.TopAbs_EXTERNAL):
                 continue
@@ -125,10 +117,3 @@ def _moved(nodes: Array, transformation: Any) -> Array:
     matrix = np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
     moved: Array = rotated(matrix[:, :3], nodes) + matrix[:, 3]
     return moved
-
-
-def _is_turned(facets: _Facets) -> bool:
-    """Whether the triangles of a face are oriented opposite to it: it is reversed, or mirrored by its location."""
-    is_reversed = facets.face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED
-    is_mirrored = not facets.location.IsIdentity() and facets.location.Transformation().IsNegative()
-    return bool(is_reversed != is_mirrored)

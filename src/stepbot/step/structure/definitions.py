@@ -19,15 +19,13 @@ from OCP.TCollection import TCollection_AsciiString
 from OCP.TDataStd import TDataStd_Name
 from OCP.TDF import TDF_Label, TDF_Tool
 from OCP.TopAbs import TopAbs_ShapeEnum
-from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Iterator
 from OCP.XCAFDoc import XCAFDoc_ColorTool, XCAFDoc_ColorType, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 from stepbot.robot.model import Rgba
-from stepbot.step.kernel import evaluated
 
 from ..exchange.length_unit import DEFAULT_PRECISION
-from ..kernel import matrix_of
+from ..kernel import evaluated, mapped, matrix_of
 from .products import Products
 from .source import NONE, BodySource, Child, Definition
 
@@ -91,8 +89,7 @@ class _FaceOwners:
         self._faces = ShapeMap()
         self._places: list[list[tuple[int, int]]] = []
         for number, body in enumerate(bodies):
-            own = ShapeMap()
-            TopExp.MapShapes_s(body, TopAbs_ShapeEnum.TopAbs_FACE, own)
+            own = mapped(body, TopAbs_ShapeEnum.TopAbs_FACE)
             for place in range(own.Extent()):
                 index = self._faces.Add(own.FindKey(place + 1))
                 if index > len(self._places):

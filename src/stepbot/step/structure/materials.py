@@ -6,7 +6,6 @@ mass unit and every unit that is not SI, so the model is queried directly.
 """
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 from msgspec import Struct, field
@@ -38,9 +37,8 @@ class Materials:
 
     def __init__(self, session: Any, place: str, found: Diagnostics) -> None:
         """Read them all."""
-        self._claims: dict[
-            int, tuple[Any, _Claims]
-        ] = {}  # by identity; a reference is kept, so that its id stays unique
+        # By identity; a reference is kept, so that its id stays unique.
+        self._claims: dict[int, tuple[Any, _Claims]] = {}
         strange: list[str] = []
         for relation in entities(session, StepRepr_PropertyDefinitionRepresentation):
             self._read_property(relation, strange)
@@ -51,7 +49,13 @@ class Materials:
         for usage in entities(session, StepRepr_MakeFromUsageOption):
             self._read_raw_material(usage)
         if strange:
-            _report_strange(strange, place, found)
+            found.add(
+                "SB211",
+                f"{len(strange)} densities in the file have no density unit and are ignored",
+                Span(place),
+                help=["set densities in the sidecar, under `parts` or `defaults`"],
+                notes=[f"a density of {value}" for value in [*dict.fromkeys(strange)][:3]],
+            )
         self._place, self._found = place, found
 
     def of(self, definition: Any, product: str) -> StepMaterial:
@@ -104,7 +108,8 @@ class Materials:
             return
         density = value * unit.size
         if density > 0.0 and math.isfinite(density):
-            self._of(definition).densities.append(_tidy(density))
+            # Without rounding errors of the conversion: 7.85 g/cm^3 is 7850, not 7849.999999999999.
+            self._of(definition).densities.append(float(f"{density:.12g}"))
         elif density != 0.0:  # zero means unset
             strange.append(f"{value:g} {unit.name}")
 
@@ -130,19 +135,3 @@ def _material_name(item: Any) -> str:
 def _described(property_definition: Any) -> str:
     description = property_definition.Description() if property_definition.HasDescription() else None
     return f"{text(property_definition.Name())} {text(description)}"
-
-
-def _tidy(density: float) -> float:
-    """Without rounding errors of the conversion: 7.85 g/cm^3 is 7850, not 7849.999999999999."""
-    return float(f"{density:.12g}")
-
-
-def _report_strange(strange: list[str], place: str, found: Diagnostics) -> None:
-    values: Iterator[str] = iter(dict.fromkeys(strange))
-    found.add(
-        "SB211",
-        f"{len(strange)} densities in the file have no density unit and are ignored",
-        Span(place),
-        help=["set densities in the sidecar, under `parts` or `defaults`"],
-        notes=[f"a density of {value}" for value, _ in zip(values, range(3), strict=False)],
-    )

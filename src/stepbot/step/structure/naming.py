@@ -23,17 +23,6 @@ _MACHINE_MADE = re.compile(
     re.IGNORECASE,
 )
 
-__all__ = [
-    "BODY",
-    "ComponentName",
-    "NamedComponent",
-    "assign_paths",
-    "base_name",
-    "escape",
-    "is_generic",
-    "is_machine_made",
-]
-
 
 class NamedComponent(NamedTuple):
     """The inputs of a component's path."""

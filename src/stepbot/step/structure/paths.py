@@ -21,7 +21,7 @@ from msgspec import Struct, field
 
 from stepbot.diagnostics import NOT_TEXT, did_you_mean, one_line
 
-from ..assembly import ROOT_PATH, Assembly, Component
+from ..assembly import ROOT_PATH, Component
 
 _ACROSS = "**"
 _ANY = "\0"
@@ -52,16 +52,6 @@ class Binding(Struct, frozen=True):
     """Remedies, near matches first."""
     fragile: bool = False
     """Whether the path depends on an ordinal ``#n``, which changes if the CAD inserts an equal part."""
-
-
-def find(assembly: Assembly, pattern: str) -> Binding:
-    """Components that match a path or glob; to look up many, keep a :class:`ComponentPaths`."""
-    return ComponentPaths(assembly.components).find(pattern)
-
-
-def find_one(assembly: Assembly, pattern: str) -> Binding:
-    """The only component that matches a path or glob; several are ambiguous."""
-    return ComponentPaths(assembly.components).find_one(pattern)
 
 
 def plain_name(name: str) -> str:

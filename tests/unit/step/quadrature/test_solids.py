@@ -12,7 +12,7 @@ from robot_library.moments import Array
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.step.assembly import Body, BodyKind
 from stepbot.step.kernel import faces_of
-from stepbot.step.quadrature.solids import Boundary, properties_of, quadrature
+from stepbot.step.quadrature.solids import Boundary, properties_of
 from stepbot.step.shapes.error_estimate import estimated, is_simple
 from stepbot.step.shapes.exact import integrate, volume_properties
 from stepbot.step.shapes.tessellation import Fineness, tessellated
@@ -116,8 +116,8 @@ def test_a_plate_with_a_wavy_outline(tmp_path: Path) -> None:
     plain = volume_properties(integrate(shape))
     assert plain is not None
     assert abs(plain.volume * 1e9 / expected[0] - 1) > 0.05
-    assert_same(quadrature(shape, np.zeros(3), 1), expected, 1e-8)
-    assert_same(quadrature(shape, np.zeros(3), 2), expected, 1e-10)
+    assert_same(Boundary(shape, np.zeros(3)).integrals(1), expected, 1e-8)
+    assert_same(Boundary(shape, np.zeros(3)).integrals(2), expected, 1e-10)
 
 
 @pytest.mark.slow
@@ -137,7 +137,7 @@ def test_a_thin_shell() -> None:
     expected = prism(area_moments(points, tangents, weights), 80.0)
     expected = expected - prism(area_moments(0.99 * points, 0.99 * tangents, weights), 80.0)
     shape = extruded(outline.face(0.99), 80.0)
-    assert_same(quadrature(shape, np.zeros(3), 2), expected, 1e-8)
+    assert_same(Boundary(shape, np.zeros(3)).integrals(2), expected, 1e-8)
 
 
 def test_a_loft() -> None:
@@ -160,7 +160,7 @@ def test_a_loft() -> None:
         a = area_moments(scale * points + v * np.array([7.0, -3.0]), scale * tangents, weights)
         flat = [a[0, 0], a[1, 0], a[0, 1], z * a[0, 0], a[2, 0], a[1, 1], z * a[1, 0], a[0, 2], z * a[0, 1]]
         expected += share * height * np.array([*flat, z * z * a[0, 0]])
-    assert_same(quadrature(loft.Shape(), np.zeros(3), 2), expected, 1e-8)
+    assert_same(Boundary(loft.Shape(), np.zeros(3)).integrals(2), expected, 1e-8)
 
 
 def test_a_revolved_spline() -> None:
@@ -181,7 +181,7 @@ def test_a_revolved_spline() -> None:
     volume, along = ring(0, 0), ring(0, 1)
     across = 0.5 * ring(2, 0)
     expected = np.array([volume, 0, along, 0, across, 0, 0, ring(0, 2), 0, across])
-    found = properties_of(quadrature(shape, np.array([30.0, 0, 0]), 2), np.zeros(3))  # with respect to the axis
+    found = properties_of(Boundary(shape, np.array([30.0, 0, 0])).integrals(2), np.zeros(3))  # with respect to the axis
     assert_same(found, expected, 1e-9)
 
 
@@ -199,7 +199,7 @@ def test_a_revolved_spline() -> None:
 def test_closed_forms(solid: solids.Solid, rational: bool) -> None:
     """Quadrics are exact to rounding, and so are their rational B-splines."""
     shape = as_nurbs(solid.shape) if rational else solid.shape
-    found = properties_of(quadrature(shape, np.array([1.0, 2.0, 3.0]), 2), np.array([1.0, 2.0, 3.0]))
+    found = properties_of(Boundary(shape, np.array([1.0, 2.0, 3.0])).integrals(2), np.array([1.0, 2.0, 3.0]))
     expected = solid.moments.in_metres()
     assert found is not None
     right = VolumeProperties.of(expected.mass, np.array(expected.com), np.array(expected.inertia))
@@ -210,7 +210,7 @@ def test_closed_forms(solid: solids.Solid, rational: bool) -> None:
 def test_what_nothing_confirms_is_uncertain(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel's result that neither stepbot's integration nor meshes confirm has no small error."""
     shape = as_nurbs(solids.cylinder(3, 10).shape)
-    right = properties_of(quadrature(shape, np.zeros(3), 2), np.zeros(3))
+    right = properties_of(Boundary(shape, np.zeros(3)).integrals(2), np.zeros(3))
     assert right is not None
     wrong = VolumeProperties.of(
         1.2 * right.volume, np.array(right.unit_density.com), np.array(right.unit_density.inertia)
@@ -237,7 +237,7 @@ def scaled(properties: VolumeProperties, factor: float) -> VolumeProperties:
 def test_the_larger_difference_is_the_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Up to 1e-3 off the kernel, stepbot's integral is used once converged to 1e-5; otherwise meshes decide."""
     shape = as_nurbs(solids.cylinder(3, 10).shape)
-    right = properties_of(quadrature(shape, np.zeros(3), 2), np.zeros(3))
+    right = properties_of(Boundary(shape, np.zeros(3)).integrals(2), np.zeros(3))
     assert right is not None
     mesh = tessellated(shape, Fineness(0.01, 0.2))
     converged = estimated(shape, scaled(right, 1 + 2e-4), mesh, is_closed=False)

@@ -9,7 +9,7 @@ import pytest
 
 from robot_library.moments import Array
 from stepbot.diagnostics import Diagnostics
-from stepbot.step.quadrature.solids import quadrature
+from stepbot.step.quadrature.solids import Boundary
 from stepbot.step.shapes.exact import integrate, volume_properties
 from tests.unit.step.in_process import read_here, read_quietly
 from tests.unit.step.quadrature.test_solids import Outline, area_moments, assert_same, extruded, prism
@@ -101,7 +101,7 @@ def test_a_thread(tmp_path: Path) -> None:
     corners = [gp_Pnt(x, 0, z) for x, z in TOOTH]
     shape = swept_about_the_axis(BRepBuilderAPI_MakePolygon(*corners, True).Wire())
     expected = thread(*trapezoid())
-    assert_same(quadrature(shape, np.array([0.0, 0.0, 6.0]), 1), shifted(expected, 6.0), 3e-6)
+    assert_same(Boundary(shape, np.array([0.0, 0.0, 6.0])).integrals(1), shifted(expected, 6.0), 3e-6)
     found = Diagnostics()
     assembly = read_here(write_with_parameter_curves(tmp_path / "thread.step", shape), found)
     assert assembly is not None
@@ -121,7 +121,7 @@ def test_a_splined_thread() -> None:
     curve = curve.Translated(gp_Vec(MAJOR, 0, 0))
     shape = swept_about_the_axis(BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(curve).Edge()).Wire())
     expected = thread(points + np.array([MAJOR, 0.0]), tangents, weights)
-    assert_same(quadrature(shape, np.array([0.0, 0.0, 6.0]), 1), shifted(expected, 6.0), 3e-6)
+    assert_same(Boundary(shape, np.array([0.0, 0.0, 6.0])).integrals(1), shifted(expected, 6.0), 3e-6)
 
 
 def test_a_rod_along_a_spline() -> None:
@@ -156,8 +156,8 @@ def test_a_rod_along_a_spline() -> None:
         products -= curvature * quarter * (np.outer(c, n) + np.outer(n, c))
         expected += weight * speed * np.array([area, *com, *products[np.triu_indices(3)]])
     origin = np.zeros(3)
-    assert_same(quadrature(shape, origin, 1), expected, 1e-5)
-    assert_same(quadrature(shape, origin, 2), expected, 1e-5)
+    assert_same(Boundary(shape, origin).integrals(1), expected, 1e-5)
+    assert_same(Boundary(shape, origin).integrals(2), expected, 1e-5)
 
 
 def parallel(outline: Outline, distance: float) -> tuple[Array, Array, Array]:
@@ -191,7 +191,7 @@ def test_offset_surfaces(tmp_path: Path) -> None:
     curve = parallel(outline, distance)
     expected = prism(area_moments(*curve), height + 2 * distance)
     middle = np.array([0.0, 0.0, height / 2])
-    found = quadrature(offset.Shape(), middle, 1)
+    found = Boundary(offset.Shape(), middle).integrals(1)
     assert_same(found, shifted(expected, height / 2 + distance), 1e-6)
     step = write_with_parameter_curves(tmp_path / "offset.step", offset.Shape())
     assert "OFFSET_SURFACE" in step.read_text()

@@ -7,13 +7,13 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stepbot.geometry.fixed_point import merged_labels
 from stepbot.geometry.predicates import is_watertight
 from stepbot.step.shapes.stitching import (
     EdgeUse,
     FacetedFace,
     Stitched,
     merged_by_position,
-    merged_labels,
     stitched,
 )
 
