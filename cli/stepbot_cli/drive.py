@@ -95,7 +95,7 @@ def driven_json(driven: "Driven") -> dict[str, Any]:
     """The output of ``--json``, with the speeds."""
     from stepbot.driving.document import driven_document
 
-    return driven_document(driven, timed=True)
+    return driven_document(driven)
 
 
 _NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}, "not_run": {}, "ranges": []}

@@ -12,13 +12,8 @@ from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar
 
 from .mirroring import NORMALS, conjugated
-from .parts import Part, image_name
+from .parts import Part, image_name, joints_above
 from .ports import Port, Ports
-
-
-def joints_above(document: Document, module: str) -> list[str]:
-    """The joints of the composing file that move a module."""
-    return [name for name, joint in document.joints.items() if joint.child.partition("/")[0] == module]
 
 
 def is_root_part(document: Document, module: str) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
+import numpy as np
 from msgspec.structs import replace
 
 from stepbot.assemble.devices import (
@@ -37,7 +38,7 @@ from stepbot.robot.model import (
 from stepbot.robot.sensors import SEEING, Sensor, View
 from stepbot.robot.simulation_settings import SHORT_TIMESTEP
 from stepbot.robot.tuning import Simulation
-from stepbot.sidecar.document import AutoOrigin, ClosureSection
+from stepbot.sidecar.document import ClosureSection
 from stepbot.sidecar.joint_settings import ONE_FREEDOM
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE
@@ -45,7 +46,7 @@ from stepbot.sidecar.tree import ELEMENTS
 
 from .parts import Part, Parts, coinciding, module_record
 from .placing import Mount, Places
-from .ports import Port, Ports, moved_by
+from .ports import Port, Ports, offset_of
 from .pruning import elements
 
 _Shape = TypeVar("_Shape", Visual, Collision)
@@ -193,17 +194,15 @@ class _Joining:
         return replace(whole, closures=tuple(closures))
 
     def _closure(self, name: str, section: ClosureSection) -> LoopClosure | None:
-        ends = [self._ports.port(getattr(section, side), ("closures", name, side)) for side in ("link_a", "link_b")]
-        a, b = ends
+        a, b = (self._ports.port(getattr(section, side), ("closures", name, side)) for side in ("link_a", "link_b"))
         if a is None or b is None:
             return None
-        offset = IDENTITY
-        if isinstance(section.origin, AutoOrigin) and section.origin.radius is None and section.origin.near is None:
-            offset = moved_by(section.origin.offset)
-        elif section.origin != "auto":
+        offset = offset_of(section.origin)
+        if offset is None:
             message = f"closure '{name}': origin: its links are not in one assembly"
             help = ["leave out `origin`: the ports coincide; `frames` can add a port"]
             self._found.add("SB154", message, self._sidecar.span("closures", name, "origin"), help=help)
+            offset = IDENTITY
         X_AF, X_BF = tidy(a.X_LP @ offset), tidy(b.X_LP @ offset)
         return LoopClosure(name, section.type, a.link, X_AF, b.link, X_BF, section.axis)
 
@@ -345,10 +344,8 @@ def _with_meshes(whole: Robot, robots: Iterable[Robot]) -> Robot:
 
 
 def _equal(a: MeshAsset, b: MeshAsset) -> bool:
-    if a.mesh is b.mesh:
-        return True
-    same = a.mesh.vertices.shape == b.mesh.vertices.shape and a.mesh.faces.shape == b.mesh.faces.shape
-    return same and bool((a.mesh.vertices == b.mesh.vertices).all() and (a.mesh.faces == b.mesh.faces).all())
+    same = a.mesh is b.mesh or np.array_equal(a.mesh.vertices, b.mesh.vertices)
+    return same and np.array_equal(a.mesh.faces, b.mesh.faces)
 
 
 def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diagnostics) -> None:

@@ -15,6 +15,7 @@ from stepbot.robot.kinematics import initial_configuration, link_poses, within_l
 from stepbot.robot.model import JointKind, LoopClosure, Module, Robot
 from stepbot.robot.posing import NotReached, coordinates, leader_of, posed
 from stepbot.robot.renaming import KINDS, renamed
+from stepbot.sidecar.document import Document
 from stepbot.sidecar.joint_settings import position_dimension
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
@@ -184,7 +185,7 @@ class Parts:
         image = mirrored(robot, normal)
         names = [joint.name for joint in robot.joints]
         of = section.mirror_of or ""
-        above = [image_name(joint, of, name) for joint in self._above(of)]
+        above = [image_name(joint, of, name) for joint in joints_above(self._sidecar.document, of)]
         for index, pattern in enumerate(section.flip):
             if flipped(image, [pattern]).joints == image.joints and not any(
                 fnmatchcase(joint, pattern) for joint in above
@@ -210,10 +211,6 @@ class Parts:
             self._found.add("SB168:shape", message, span)
         return image
 
-    def _above(self, module: str) -> list[str]:
-        joints = self._sidecar.document.joints.items()
-        return [name for name, joint in joints if module and joint.child.partition("/")[0] == module]
-
     def _wrong_home(self, name: str, keys: tuple[str, ...], what: str, help: list[str]) -> None:
         place = self._sidecar.span("modules", name, *keys)
         self._found.add("SB160", f"module '{name}': home: {what}", place, help=help)
@@ -227,6 +224,11 @@ class Parts:
         section = self._sections[name]
         origin = self._sections[section.mirror_of] if section.mirror_of else section
         return origin.file or name
+
+
+def joints_above(document: Document, module: str) -> list[str]:
+    """The joints of the composing file that move a module."""
+    return [name for name, joint in document.joints.items() if joint.child.partition("/")[0] == module]
 
 
 def coinciding(closure: LoopClosure, X_AB: Pose) -> LoopClosure:
@@ -246,10 +248,7 @@ def coinciding(closure: LoopClosure, X_AB: Pose) -> LoopClosure:
 
 
 def _with_prefix(robot: Robot, prefix: str) -> Robot:
-    def prefixed(name: str) -> str:
-        return prefix + name
-
-    named = renamed(robot, **dict.fromkeys(KINDS, prefixed))
+    named = renamed(robot, **dict.fromkeys(KINDS, lambda name: prefix + name))
     inner = tuple(replace(one, prefix=prefix + one.prefix) for one in named.modules)
     return replace(named, modules=inner)
 

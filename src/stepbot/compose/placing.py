@@ -16,16 +16,16 @@ from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointKind, Robot
-from stepbot.sidecar.document import AutoOrigin, JointSection
+from stepbot.sidecar.document import JointSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import TIE
 from stepbot.sidecar.tree import ELEMENTS
 
-from .images import Images, is_root_part, joints_above
+from .images import Images, is_root_part
 from .mirroring import NORMALS, conjugated, flipped, mirrored
-from .parts import Part, image_name
-from .ports import Port, Ports, moved_by
+from .parts import Part, image_name, joints_above
+from .ports import Port, Ports, moved_by, offset_of
 from .pruning import elements
 
 _NEAR, _NEARLY_ALONG = 1e-4, radians(0.1)
@@ -222,10 +222,8 @@ class Places:
         return joint_of(self._document, name, (parent, child), X_PC, leader)
 
     def _offset(self, name: str, section: JointSection) -> Pose | None:
-        if section.origin == "auto":
-            return IDENTITY
-        if isinstance(section.origin, AutoOrigin) and section.origin.radius is None and section.origin.near is None:
-            return moved_by(section.origin.offset)
+        if (offset := offset_of(section.origin)) is not None:
+            return offset
         message = f"joint '{name}': origin: its links are not in one assembly"
         help = ["leave out `origin`: the ports coincide; `frames` can add a port, `origin: {offset: ...}` moves it"]
         self._found.add("SB154", message, self._sidecar.span("joints", name, "origin"), help=help)

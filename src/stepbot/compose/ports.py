@@ -12,11 +12,11 @@ from msgspec import Struct
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import Joint, JointKind, Robot
-from stepbot.sidecar.document import ExplicitOrigin, Offset, Origin
+from stepbot.sidecar.document import AutoOrigin, ExplicitOrigin, Offset, Origin
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import Keys, subject
 
-from .parts import Part, image_name
+from .parts import Part, image_name, joints_above
 
 _MOST_LISTED = 12
 _SEPARATORS = re.compile(r"[/.:_\-\s]+")
@@ -194,14 +194,14 @@ class Ports:
 
 def _own_joints(sidecar: Sidecar) -> list[str]:
     """The joints of the composing file, and the mirror images of those above modules."""
-    joints = sidecar.document.joints
+    document = sidecar.document
     images = [
         image_name(joint, section.mirror_of, name)
-        for name, section in sidecar.document.modules.items()
-        for joint in joints
-        if section.mirror_of and joints[joint].child.partition("/")[0] == section.mirror_of
+        for name, section in document.modules.items()
+        if section.mirror_of
+        for joint in joints_above(document, section.mirror_of)
     ]
-    return [*joints, *images]
+    return [*document.joints, *images]
 
 
 def _of_part(part: Part) -> list[str]:
@@ -227,3 +227,10 @@ def _plain(name: str) -> str:
 def moved_by(offset: Offset | None) -> Pose:
     """The pose of an ``offset``."""
     return IDENTITY if offset is None else Pose.from_xyz_rpy(offset.xyz, offset.rpy)
+
+
+def offset_of(origin: Origin) -> Pose | None:
+    """The pose between two ports that coincide but for an ``offset``; None for an origin that is not found by ports."""
+    if isinstance(origin, AutoOrigin) and origin.radius is None and origin.near is None:
+        return moved_by(origin.offset)
+    return IDENTITY if origin == "auto" else None

@@ -12,15 +12,14 @@ _DIGITS = 4
 """Significant digits of a number in a file: it is the same bytes with every build of an engine's release."""
 
 
-def driven_document(driven: Driven, *, timed: bool = False) -> dict[str, Any]:
+def driven_document(driven: Driven) -> dict[str, Any]:
     """The verdicts, the tests that do not apply, the engines that did not run, and the ranges that sweeps cover.
 
-    Args:
-        timed: Whether to add the steps per second, which differ from run to run.
+    The steps per second differ from run to run.
     """
     return {
         "robot": driven.robot,
-        "tests": [_verdict(verdict, timed) for verdict in driven.verdicts],
+        "tests": [_verdict(verdict) for verdict in driven.verdicts],
         "inapplicable": dict(driven.inapplicable),
         "not_run": dict(driven.not_run),
         "ranges": [_range(one) for one in driven.ranges],
@@ -42,9 +41,9 @@ def _rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
 
 
-def _verdict(verdict: Verdict, timed: bool) -> dict[str, Any]:
+def _verdict(verdict: Verdict) -> dict[str, Any]:
     bounds = verdict.bounds or {}
-    document: dict[str, Any] = {
+    return {
         "test": verdict.test,
         "engine": verdict.engine,
         "status": verdict.status.value,
@@ -52,10 +51,8 @@ def _verdict(verdict: Verdict, timed: bool) -> dict[str, Any]:
         "measures": [
             _measure(one, bounds.get(one.quantity)) for one in (verdict.result.measures if verdict.result else ())
         ],
+        "steps_per_second": round(verdict.result.steps_per_second) if verdict.result else None,
     }
-    if timed:
-        document["steps_per_second"] = round(verdict.result.steps_per_second) if verdict.result else None
-    return document
 
 
 def _measure(measure: Measure, limit: float | None) -> dict[str, Any]:

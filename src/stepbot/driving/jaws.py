@@ -183,10 +183,10 @@ class _Hand:
         distance, near = self._simulation.nearest(self._X_WH.apply(p_H), self._fixed, most)
         return distance, self._X_HW.apply(near)
 
-    def _to_jaw(self, p_H: Array, at: int, most: float) -> tuple[float, Array]:
+    def _to_jaw(self, p_H: Array, at: int) -> tuple[float, Array]:
         """Distance [m] of a point in the hand to the jaw at a position, and the nearest point (3,) in the jaw."""
         p_W = self._X_WJ.apply(self._X_JH[at].apply(p_H))
-        distance, near = self._simulation.nearest(p_W, self._moving, most)
+        distance, near = self._simulation.nearest(p_W, self._moving, _FAR)
         return distance, self._X_JW.apply(near)
 
     def balls(self, around: Array | None = None) -> Iterator[_Ball]:
@@ -208,7 +208,7 @@ class _Hand:
             at, distance = self._reached(centre, radius, order)
             if at == order[0] or distance <= 0.5 * radius:  # in the way from the start, or leapt over
                 continue
-            p_J = self._to_jaw(centre, at, _FAR)[1]
+            p_J = self._to_jaw(centre, at)[1]
             ways = np.linalg.norm(rotated(self._R_HJ, p_J) + self._p_HJ - touched, axis=1)[:: order.step]
             inwards = unit(self._X_HJ[at].apply(p_J) - centre)
             wedge = degrees(acos(min(1.0, max(-1.0, float((inwards * outwards).sum())))))
@@ -219,7 +219,7 @@ class _Hand:
         """The first position in which the jaw touches a ball, and its distance [m]; the open one if there is none."""
         i = 0
         while i < len(order):
-            distance = self._to_jaw(centre, order[i], _FAR)[0]
+            distance = self._to_jaw(centre, order[i])[0]
             if distance <= radius:
                 return order[i], distance
             i += max(1, int((distance - radius) / self._step))  # no point of the jaw moves farther in one position
@@ -234,7 +234,7 @@ class _Hand:
         X_HC, half = self._cube_pose(ball), 0.5 * ball.edge
         grid = [(y * ball.edge, z * ball.edge) for y, z in product(_SAMPLES, _SAMPLES)]
         back = [self._to_hand(p_H, _FAR)[0] for p_H in X_HC.apply([(-half, y, z) for y, z in grid])]
-        front = [self._to_jaw(p_H, ball.at, _FAR)[0] for p_H in X_HC.apply([(half, y, z) for y, z in grid])]
+        front = [self._to_jaw(p_H, ball.at)[0] for p_H in X_HC.apply([(half, y, z) for y, z in grid])]
         lift = max(0.0, *(-gap for gap, (y, z) in zip(back, grid, strict=True) if max(abs(y), abs(z)) <= half))
         near = min(FACE, _NEAR * ball.edge)
         slack = near + half * tan(radians(ball.wedge))

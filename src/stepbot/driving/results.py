@@ -7,6 +7,7 @@ from msgspec import Struct
 
 from stepbot.engines.simulation import Cube
 
+_POINTS = 80
 Series = tuple[tuple[float, ...], tuple[float, ...]]
 """Horizontal and vertical values of a curve."""
 
@@ -93,9 +94,9 @@ class Result(Struct, frozen=True):
         return self.steps / self.seconds if self.seconds > 0.0 else 0.0
 
 
-def thinned(times: Sequence[float], values: Sequence[float], count: int = 80) -> Series:
-    """About ``count`` points of a curve, evenly spaced, the last one included."""
-    stride = max(1, len(times) // count)
+def thinned(times: Sequence[float], values: Sequence[float]) -> Series:
+    """About :data:`_POINTS` points of a curve, evenly spaced, the last one included."""
+    stride = max(1, len(times) // _POINTS)
     chosen = [*range(0, len(times), stride)]
     if times and chosen[-1] != len(times) - 1:
         chosen.append(len(times) - 1)

@@ -1,7 +1,5 @@
 """Mass properties of a mesh, by trimesh: the only module that measures with it."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from stepbot.runtime.import_path import import_lightly
@@ -20,11 +18,6 @@ _UNUSED = (
 def prepare() -> None:
     """Import trimesh, in a process that only measures."""
     import_lightly("trimesh.triangles", _UNUSED)
-
-
-def measured_all(meshes: Sequence[TriMesh]) -> tuple[VolumeProperties | None, ...]:
-    """The result of :func:`measured` for each mesh."""
-    return tuple(map(measured, meshes))
 
 
 def measured(mesh: TriMesh) -> VolumeProperties | None:

@@ -16,11 +16,8 @@ from numpy.typing import NDArray
 
 from .fixed_point import distinct_rows, fixed_point_lines
 from .mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh, with_four_vertices
-from .primitives import linear_from_srgb
+from .primitives import Color, linear_from_srgb
 from .shading import NORMAL_DECIMALS, shaded, unit_normals
-
-Color = tuple[float, float, float, float]
-"""Colour and opacity, each 0 to 1, sRGB."""
 
 _STL_TITLE = b"stepbot, metres"
 """Must not begin with ``solid``, as text files do."""

@@ -17,7 +17,7 @@ from msgspec import Struct
 from stepbot.runtime.file import is_file, read_regular, resolved
 
 from .mesh import TriMesh, joined, merged
-from .primitives import srgb_from_linear
+from .primitives import Color, srgb_from_linear
 
 KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
 """Suffixes of the files that are read."""
@@ -27,9 +27,6 @@ _STL = ".stl"
 _GLTF = ".gltf"
 _LINEAR = (".glb", _GLTF)
 """Suffixes of files whose colours are linear, not sRGB."""
-
-Color = tuple[float, float, float, float]
-"""Colour and opacity, each 0 to 1, sRGB."""
 
 
 class MeshContent(Struct, frozen=True, eq=False):

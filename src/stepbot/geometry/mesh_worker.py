@@ -13,7 +13,6 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.worker import WorkerDied
 
 from . import mass_properties as measure
-from .mass_properties import measured_all
 from .simplification import all_simplified
 from .solids import manifolds
 from .solids.collision_scores import collision_scores
@@ -24,7 +23,7 @@ MESH_WORKER = "stepbot.geometry.mesh_worker:compute"
 """The function that runs there; it handles one call after the other."""
 
 _TASKS: dict[str, Callable[[Any], Any]] = {
-    "measures": measured_all,
+    "measures": lambda meshes: tuple(map(measure.measured, meshes)),
     "collisions": collision_sets,
     "overlaps": overlaps_of,
     "scores": collision_scores,
@@ -41,7 +40,7 @@ def prepare() -> None:
 def compute(task: str, question: Any) -> Any:
     """``measures`` of meshes, ``collisions`` of solids, ``overlaps`` of a search, ``scores`` of shapes, ``simplified``.
 
-    See :func:`.measured_all`, :func:`.collision_sets`, :func:`.overlaps_of`, :func:`.collision_scores` and
+    See :func:`.measured`, :func:`.collision_sets`, :func:`.overlaps_of`, :func:`.collision_scores` and
     :func:`.all_simplified`.
     """
     try:

@@ -67,6 +67,10 @@ def half_size(shape: Primitive) -> Vector3:
             return radius, radius, radius
 
 
+Color = tuple[float, float, float, float]
+"""Colour and opacity, each 0 to 1, sRGB."""
+
+
 def srgb_from_linear(channel: float) -> float:
     """A channel of sRGB, 0 to 1, from a linear one."""
     return 12.92 * channel if channel <= 0.0031308 else 1.055 * float(channel) ** (1.0 / 2.4) - 0.055

@@ -12,7 +12,7 @@ from stepbot.robot.mesh_names import SCOPE
 
 from .model import Model, floating_base, joint_kind, joint_name, name
 
-_XYZ = ("x", "y", "z")
+_XYZ, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 _VECTORS = {
     "ACCELEROMETER": "m/s^2",
     "VELOCIMETER": "m/s",
@@ -76,7 +76,7 @@ def sensor_parts(model: Model, sensor: int) -> list[tuple[str, str]]:
     if kind == "CONTACT":
         return _contact_parts(int(model.sensor_intprm[sensor, 0]), size)
     if kind in ("FRAMEQUAT", "BALLQUAT"):
-        return [(part, "") for part in ("qw", "qx", "qy", "qz")]
+        return [(part, "") for part in _QUATERNION]
     if kind in _VECTORS and size == len(_XYZ):
         return [(part, _VECTORS[kind]) for part in _XYZ]
     unit = _SCALARS.get(kind, "")
@@ -101,7 +101,6 @@ UNKNOWN = 1e6
 _BEYOND = 2.0
 """Ratio of that of a limited joint's position and its limit."""
 CHOICES = ("all", "state", "sensors")
-_XYZ, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 _JOINT_SENSORS = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
 
 

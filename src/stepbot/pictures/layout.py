@@ -21,6 +21,7 @@ Color = tuple[int, int, int]
 _FINER = 4
 _PAPER: Color = (246, 246, 247)
 _HALO = 2
+_DASH = 4.0
 _ELLIPSIS = "..."
 _TAILS = (0.4, 0.6, 0.8, 0.2)
 """Shares of the end of a shortened name, until no other name looks the same."""
@@ -51,11 +52,11 @@ class Drawing:
         ink = (*color, round(255 * opacity))
         self._pen.line(finer, fill=ink, width=max(1, round(_FINER * width)), joint="curve")
 
-    def dashes(self, start: Place, end: Place, color: Color, width: float, dash: float) -> None:
+    def dashes(self, start: Place, end: Place, color: Color, width: float) -> None:
         """A dashed line."""
         length = hypot(end[0] - start[0], end[1] - start[1])
-        for number in range(int(length / (2 * dash)) + 1):
-            a, b = 2 * number * dash, min((2 * number + 1) * dash, length)
+        for number in range(int(length / (2 * _DASH)) + 1):
+            a, b = 2 * number * _DASH, min((2 * number + 1) * _DASH, length)
             if b > a:
                 self.line([_between(start, end, a / length), _between(start, end, b / length)], color, width)
 

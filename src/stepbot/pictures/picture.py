@@ -6,7 +6,7 @@ from colorsys import hls_to_rgb
 
 import numpy as np
 from msgspec import Struct, field
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
@@ -70,7 +70,7 @@ def _arc(centre: Array, direction: Array, radius: float) -> Array:
     return centre + radius * (np.cos(angles) * R[:, 0] + np.sin(angles) * R[:, 1])
 
 
-def _places(camera: Camera, points: Array) -> list[Place]:
+def _places(camera: Camera, points: ArrayLike) -> list[Place]:
     return [(x, y) for x, y in camera.project(points).tolist()]
 
 
@@ -113,6 +113,11 @@ class Sheet(Struct, frozen=True):
     view: View = VIEWS["corner"]
     labels: bool = False
 
+    @property
+    def text_size(self) -> int:
+        """Of the letters [px]."""
+        return max(11, round(self.height / 46))
+
 
 class Picture(Struct, frozen=True, eq=False):
     """A drawn picture."""
@@ -146,7 +151,7 @@ def draw(subject: Subject, sheet: Sheet) -> Picture:
     pixels = renderer.picture(sheet.samples)
     unlabelled: tuple[str, ...] = ()
     if sheet.labels:
-        drawing = Drawing(pixels, _text_size(sheet))
+        drawing = Drawing(pixels, sheet.text_size)
         size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
         for axis in subject.axes:
             draw_axis(drawing, renderer, camera, axis, size)
@@ -181,7 +186,7 @@ def _label(
 ) -> tuple[str, ...]:
     """Add the labels; returns the names for which there is no room."""
     wanted = _wanted(subject, scene, camera, found)
-    size = _text_size(sheet)
+    size = sheet.text_size
     left, _, right, _ = extent(visible)
     column = _column_share(subject, sheet) * sheet.width
     columns = Columns(
@@ -195,7 +200,7 @@ def _label(
     labels = placed(kept, columns)
     rooms: dict[str, float] = {}
     for label in labels:
-        room = _room(label, columns, size, sheet.width)
+        room = (columns.left if label.on_left else sheet.width - columns.right) - _INSET * size - 0.4 * _GAP
         rooms[label.label.text] = min(room, rooms.get(label.label.text, room))
     shown = drawing.shortened_names(rooms)
     for label in labels:
@@ -211,8 +216,9 @@ def _wanted(subject: Subject, scene: Scene, camera: Camera, found: dict[int, Pla
             labels.append(Wanted(subject.names[owner], found[owner]))
             continue
         points = scene.vertices[np.unique(scene.triangles[scene.owners == owner])]
-        labels.append(Wanted(subject.names[owner], _place(camera, _middle(points)), hidden=True))
-    labels += [Wanted(axis.name, _place(camera, np.array(axis.point)), kind="joint") for axis in subject.axes]
+        (place,) = _places(camera, 0.5 * (points.min(axis=0) + points.max(axis=0)))
+        labels.append(Wanted(subject.names[owner], place, hidden=True))
+    labels += [Wanted(axis.name, _places(camera, axis.point)[0], kind="joint") for axis in subject.axes]
     return labels
 
 
@@ -229,11 +235,6 @@ def _most_important(
     return [label for label in labels if id(label) in kept]
 
 
-def _room(label: Placed, columns: Columns, size: float, width: int) -> float:
-    """Width [px] of the text of a label."""
-    return (columns.left if label.on_left else width - columns.right) - _INSET * size - 0.4 * _GAP
-
-
 def _draw_label(drawing: Drawing, label: Placed, text: str, columns: Columns, size: float) -> None:
     wanted, joint = label.label, label.label.kind == "joint"
     x = columns.left if label.on_left else columns.right
@@ -242,7 +243,7 @@ def _draw_label(drawing: Drawing, label: Placed, text: str, columns: Columns, si
     line_color = AXIS_COLOR if joint else _LEADER
     start = (x, label.y)
     if wanted.hidden:
-        drawing.dashes(start, wanted.anchor, line_color, 1.2, 4.0)
+        drawing.dashes(start, wanted.anchor, line_color, 1.2)
     else:
         drawing.line([start, wanted.anchor], line_color, 1.2)
     drawing.dot(wanted.anchor, 0.16 * size, color, filled=not wanted.hidden)
@@ -251,21 +252,7 @@ def _draw_label(drawing: Drawing, label: Placed, text: str, columns: Columns, si
 
 def _column_share(subject: Subject, sheet: Sheet) -> float:
     """Share of the picture's width that a column of labels takes."""
-    drawing = Drawing(np.zeros((1, 1, 3), dtype=np.uint8), _text_size(sheet))
+    drawing = Drawing(np.zeros((1, 1, 3), dtype=np.uint8), sheet.text_size)
     names = [*subject.names, *(axis.name for axis in subject.axes)]
     widest = max((drawing.width_of(name) for name in names), default=0.0)
-    return min(_WIDEST_COLUMN, (widest + 2 * _GAP + 0.4 * _text_size(sheet)) / sheet.width)
-
-
-def _text_size(sheet: Sheet) -> int:
-    return max(11, round(sheet.height / 46))
-
-
-def _place(camera: Camera, point: Array) -> Place:
-    ((x, y),) = camera.project(point).tolist()
-    return x, y
-
-
-def _middle(points: Array) -> Array:
-    middle: Array = (points.min(axis=0) + points.max(axis=0)) / 2
-    return middle
+    return min(_WIDEST_COLUMN, (widest + 2 * _GAP + 0.4 * sheet.text_size) / sheet.width)

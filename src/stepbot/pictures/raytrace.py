@@ -8,7 +8,6 @@ numpy and Embree render the same picture each time; on others it may differ in l
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from typing import Any
 
 import numpy as np
 from msgspec import Struct
@@ -71,10 +70,17 @@ class Renderer:
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene
 
-        embree = EmbreeScene()
-        TriangleMesh(embree, scene.vertices.astype(np.float32), scene.triangles)
-        self._scene, self._camera = scene, camera
-        self._caster = _Caster(scene, embree, camera)
+        self._scene, self._camera, self._embree = scene, camera, EmbreeScene()
+        TriangleMesh(self._embree, scene.vertices.astype(np.float32), scene.triangles)
+        corners = scene.vertices[scene.triangles]
+        self._size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
+        self._normals = corner_normals(scene.vertices, scene.triangles)
+        self._first = corners[:, 0]
+        self._edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        x, y, z = SUN
+        right, _, _ = camera.axes
+        level = np.cross((0.0, 0.0, 1.0), right)
+        self._sun = _unit(x * right + y * level + z * np.array((0.0, 0.0, 1.0)))
 
     def picture(self, samples: int) -> NDArray[np.uint8]:
         """The picture, shape (height, width, 3), sRGB; ``samples`` squared rays for each pixel, on all cores.
@@ -99,63 +105,18 @@ class Renderer:
 
     def bands(self, bands: Sequence[Band], samples: int) -> dict[int, NDArray[np.uint8]]:
         """Bands of rows in sRGB, by their first rows."""
-        return {first: _encoded(self._caster.rows(first, last, samples)) for first, last in bands}
+        return {first: _encoded(self._rows(first, last, samples)) for first, last in bands}
 
     def triangles(self) -> NDArray[np.int32]:
         """The triangle that is visible in the middle of each pixel, shape (height, width); else ``BACKGROUND``."""
-        rows = [self._caster.visible(first, last) for first, last in _bands(self._camera.height)]
+        rows = []
+        for first, last in _bands(self._camera.height):
+            directions = self._camera.directions(first, last, np.array((0.5, 0.5)))
+            rows.append(self._cast(self._eyes(directions), directions).reshape(last - first, -1))
         return np.concatenate(rows)
 
     def hides(self, points: Array, slack: float) -> NDArray[np.bool_]:
         """Whether a surface is between the camera and each of points (n, 3), nearer by more than ``slack`` [m]."""
-        return self._caster.hides(points, slack)
-
-
-def draw_bands(scene: Scene, camera: Camera, samples: int, bands: Sequence[Band]) -> dict[int, NDArray[np.uint8]]:
-    """Some rows of a picture in sRGB, by the first row of each band; to be called in a process of its own."""
-    return Renderer(scene, camera).bands(bands, samples)
-
-
-def _bands(height: int) -> Iterator[Band]:
-    for first in range(0, height, _ROWS):
-        yield first, min(first + _ROWS, height)
-
-
-class _Caster:
-    """Casts the rays of some rows and shades their intersections."""
-
-    def __init__(self, scene: Scene, embree: Any, camera: Camera) -> None:
-        self._scene, self._embree, self._camera = scene, embree, camera
-        corners = scene.vertices[scene.triangles]
-        self._size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
-        self._normals = corner_normals(scene.vertices, scene.triangles)
-        self._first = corners[:, 0]
-        self._edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        x, y, z = SUN
-        right, _, _ = camera.axes
-        level = np.cross((0.0, 0.0, 1.0), right)
-        self._sun = _unit(x * right + y * level + z * np.array((0.0, 0.0, 1.0)))
-
-    def rows(self, first: int, last: int, samples: int) -> Array:
-        """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
-        width, margin = self._camera.width, _TILE // 2
-        start, stop = max(first - margin, 0), min(last + margin, self._camera.height)
-        tile = _TILE * (np.arange(start, stop) % _TILE)[:, None] + np.arange(width) % _TILE
-        total = np.zeros((stop - start, width, 3))
-        for number in range(samples**2):
-            directions = self._camera.directions(start, stop, _spread(number, 2))
-            quadruples = _spread(tile.reshape(-1, 1) + _TILE**2 * number, 4)
-            total += self._shade(directions, quadruples).reshape(total.shape)
-        return total[first - start : last - start] / samples**2
-
-    def visible(self, first: int, last: int) -> NDArray[np.int32]:
-        """The triangle in the middle of each pixel of the rows, shape (last - first, width)."""
-        directions = self._camera.directions(first, last, np.array((0.5, 0.5)))
-        visible: NDArray[np.int32] = self._cast(self._eyes(directions), directions).reshape(last - first, -1)
-        return visible
-
-    def hides(self, points: Array, slack: float) -> NDArray[np.bool_]:
-        """Whether a surface is nearer to the camera than each point, by more than ``slack`` [m]."""
         away = points - self._camera.position
         directions = _unit(away)
         met = self._cast(self._eyes(directions), directions)
@@ -166,6 +127,18 @@ class _Caster:
             nearer = np.linalg.norm(surface - self._camera.position, axis=1)
             hidden[hit] = nearer < np.linalg.norm(away[hit], axis=1) - slack
         return hidden
+
+    def _rows(self, first: int, last: int, samples: int) -> Array:
+        """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
+        width, margin = self._camera.width, _TILE // 2
+        start, stop = max(first - margin, 0), min(last + margin, self._camera.height)
+        tile = _TILE * (np.arange(start, stop) % _TILE)[:, None] + np.arange(width) % _TILE
+        total = np.zeros((stop - start, width, 3))
+        for number in range(samples**2):
+            directions = self._camera.directions(start, stop, _spread(number, 2))
+            quadruples = _spread(tile.reshape(-1, 1) + _TILE**2 * number, 4)
+            total += self._shade(directions, quadruples).reshape(total.shape)
+        return total[first - start : last - start] / samples**2
 
     def _eyes(self, directions: Array) -> Array:
         eyes: Array = np.broadcast_to(self._camera.position, directions.shape)
@@ -279,6 +252,16 @@ class _Caster:
         v = np.einsum("ij,ij->i", directions, q) * inverse
         t = np.einsum("ij,ij->i", b, q) * inverse
         return self._camera.position + t[:, None] * directions, np.stack((1.0 - u - v, u, v), axis=1)
+
+
+def draw_bands(scene: Scene, camera: Camera, samples: int, bands: Sequence[Band]) -> dict[int, NDArray[np.uint8]]:
+    """Some rows of a picture in sRGB, by the first row of each band; to be called in a process of its own."""
+    return Renderer(scene, camera).bands(bands, samples)
+
+
+def _bands(height: int) -> Iterator[Band]:
+    for first in range(0, height, _ROWS):
+        yield first, min(first + _ROWS, height)
 
 
 def _averaged(light: Array, points: Array, normals: Array, width: int) -> Array:

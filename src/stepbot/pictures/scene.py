@@ -5,12 +5,11 @@ from math import pi
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
-from stepbot.geometry.mesh import AROUND, TriMesh, revolved
+from stepbot.geometry.mesh import AROUND, TriMesh, joined, revolved
 from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
 from stepbot.robot.kinematics import Configuration, link_poses
-from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
+from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, MeshRef, Rgba, Robot, Sphere
 
 from .camera import View
 from .raytrace import Scene, linear
@@ -59,19 +58,9 @@ def scene_of(subject: Subject, view: View) -> Scene | None:
         return None
     points = np.concatenate([shape.X_WG.apply(shape.mesh.vertices) for shape in shapes])
     floor = float(points[:, 2].min()) if view.floor and view.elevation >= 0.0 else NEVER
-    colors = np.concatenate([_face_colors(shape) for shape in shapes])
+    colors = np.concatenate([np.broadcast_to(linear(one.colors), (len(one.mesh.faces), 3)) for one in shapes])
     owners = np.concatenate([np.full(len(shape.mesh.faces), shape.owner, dtype=np.int32) for shape in shapes])
-    return Scene(points, _triangles(shapes), colors, floor, owners)
-
-
-def _triangles(shapes: Sequence[Shape]) -> NDArray[np.int32]:
-    offsets = np.cumsum([0] + [len(shape.mesh.vertices) for shape in shapes[:-1]])
-    placed = [shape.mesh.faces + offset for shape, offset in zip(shapes, offsets, strict=True)]
-    return np.concatenate(placed).astype(np.int32)
-
-
-def _face_colors(shape: Shape) -> Array:
-    return np.broadcast_to(linear(shape.colors), (len(shape.mesh.faces), 3))
+    return Scene(points, joined([shape.mesh for shape in shapes]).faces, colors, floor, owners)
 
 
 def exploded(boxes: Array, parents: Sequence[int], units: Collection[int], apart: float) -> Array:
@@ -161,16 +150,12 @@ def _axes(robot: Robot, poses: Mapping[str, Pose], links: Collection[str]) -> It
         if is_drawn and (joint.kind.turns or joint.kind.slides):
             # The axis keeps its direction in the parent, its point in the child.
             axis_W = (poses[joint.parent] @ joint.X_PC).turn(joint.axis)
-            yield _axis(joint.name, joint.kind, poses[joint.child].position, axis_W)
+            yield Axis(joint.name, poses[joint.child].position, vector3(axis_W), joint.kind.turns, joint.kind.slides)
     for closure in robot.closures:
         is_drawn = closure.link_a in links and closure.link_b in links
         if is_drawn and (closure.kind.turns or closure.kind.slides):
-            X_WF = poses[closure.link_a] @ closure.X_AF
-            yield _axis(closure.name, closure.kind, X_WF.position, X_WF.turn(closure.axis))
-
-
-def _axis(name: str, kind: JointKind, point: Vector3, direction: Array) -> Axis:
-    return Axis(name, point, vector3(direction), kind.turns, kind.slides)
+            X_WF, kind = poses[closure.link_a] @ closure.X_AF, closure.kind
+            yield Axis(closure.name, X_WF.position, vector3(X_WF.turn(closure.axis)), kind.turns, kind.slides)
 
 
 def rgb(rgba: Rgba) -> Array:

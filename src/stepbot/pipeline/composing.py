@@ -11,6 +11,7 @@ from stepbot.assemble.devices import place_of
 from stepbot.compose.changing import changed, with_names
 from stepbot.compose.interfaces import report_interfaces
 from stepbot.compose.joining import composed
+from stepbot.compose.parts import joints_above
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, cut, did_you_mean
 from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
@@ -208,8 +209,7 @@ class _Files:
         key = (resolved(path), section.variant or "", repr(changes))
         if key not in self._robots:
             local = Diagnostics()
-            is_placed = bool(section.at) or "base" in document.model_fields_set
-            is_placed |= any(joint.child.partition("/")[0] == name for joint in document.joints.values())
+            is_placed = bool(section.at or joints_above(document, name)) or "base" in document.model_fields_set
             try:
                 self._robots[key] = self._robot(path, _Changes(sidecar, name), chain, local)
             except StepbotError as error:

@@ -15,7 +15,7 @@ from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.reach import reach
 from stepbot.robot.symmetry import AXES, Part, Symmetry, mirrored, whole
-from stepbot.sidecar.expected import ExpectedCom, ExpectedMass, ExpectedReach
+from stepbot.sidecar.expected import ExpectedCom, ExpectedMass, ExpectedReach, ExpectSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.quantities import ToleranceValue
 from stepbot.step.assembly import Assembly
@@ -34,7 +34,7 @@ _MATCHES = Callable[[str], Sequence[str]]
 def check_expected(sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
     """Report what a robot is not as expected (SB525), and asymmetry (SB526)."""
     if sidecar.document.expect is not None:
-        _Comparison(sidecar, robot, matches, found).run()
+        _Comparison(sidecar, robot, matches, found).run(sidecar.document.expect)
 
 
 class _Comparison:
@@ -43,9 +43,7 @@ class _Comparison:
     def __init__(self, sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
         self._sidecar, self._robot, self._matches, self._found = sidecar, robot, matches, found
 
-    def run(self) -> None:
-        wanted = self._sidecar.document.expect
-        assert wanted is not None
+    def run(self, wanted: ExpectSection) -> None:
         total, com = whole(self._robot)
         self._mass(("expect", "mass"), "the robot", wanted.mass, total)
         self._com(("expect", "com"), "the robot", wanted.com, com)
@@ -157,7 +155,8 @@ def report_passed_stops(sidecar: Sidecar, built: Built, assembly: Assembly, foun
 
     for joint in built.robot.joints:
         row = rows.get(joint.name)
-        if joint.kind in _SLACK and _is_limited(joint) and row is not None and row.origin and row.axis:
+        is_limited = joint.limit.lower > -inf or joint.limit.upper < inf
+        if joint.kind in _SLACK and is_limited and row is not None and row.origin and row.axis:
             still, moving = (shapes.of(parts[link]) for link in (joint.parent, joint.child))
             slides = joint.kind is JointKind.PRISMATIC
             joints.append(joint)
@@ -188,7 +187,3 @@ def _beyond(joint: Joint, stop: Stop) -> float:
     """How far a limit lies beyond a stop [rad] or [m]."""
     at = joint.drawn_position + stop.position
     return joint.limit.upper - at if stop.position > 0.0 else at - joint.limit.lower
-
-
-def _is_limited(joint: Joint) -> bool:
-    return joint.limit.lower > -inf or joint.limit.upper < inf

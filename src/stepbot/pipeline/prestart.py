@@ -6,27 +6,20 @@ sidecar is only searched for the name of its STEP: a wrong guess costs an unused
 """
 
 import re
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import BinaryIO
 
 from stepbot.runtime.cache import Cache, Digest, environment
 from stepbot.runtime.file import is_file, open_regular
-from stepbot.runtime.worker import Worker
+from stepbot.runtime.fork_server import ForkServer, can_serve
+from stepbot.runtime.worker import Process, Worker, are_spawned, spawned, started_by
 from stepbot.step import KERNEL
 from stepbot.step.exchange.input_files import input_digest
 
 from .conversion import Options
-
-if TYPE_CHECKING:
-    from stepbot.runtime.fork_server import ForkServer
-
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from typing import BinaryIO
-
-from stepbot.runtime.fork_server import ForkServer, can_serve
-from stepbot.runtime.worker import Process, are_spawned, spawned, started_by
 
 _ENGINES = ("stepbot.engines.", "stepbot.verification.self_collision.")
 """Beginnings of the names of functions that run engines."""
@@ -98,23 +91,18 @@ def started_kernel(sidecar: Path, options: Options) -> Worker | None:
     step = options.step or _guessed_step(sidecar)
     if step is None or not is_file(step):
         return None
-    if options.cache is not None and was_read(options.cache, input_digest(step) or ""):
-        return None
+    if options.cache is not None and options.cache.get(_read_key(input_digest(step) or "")) is not None:
+        return None  # the cache has its geometry, for any read options
     return Worker(KERNEL, memory_limit=options.memory_limit)
 
 
-def started_server(options: Options) -> "ForkServer | None":
+def started_server(options: Options) -> ForkServer | None:
     """A process that will start the engines; None if there will be none, or if forking is not possible."""
     if not options.verify:
         return None
     from stepbot.engines.prestart import started_engine_server
 
     return started_engine_server()
-
-
-def was_read(cache: Cache, content: str) -> bool:
-    """Whether the cache has geometry of a STEP with this hash, for any read options."""
-    return cache.get(_read_key(content)) is not None
 
 
 def note_read(cache: Cache | None, content: str) -> None:

@@ -68,12 +68,8 @@ def robot_of_draft(assembly: Assembly, draft: Draft) -> Robot:
     return replace(robot, closures=closures)
 
 
-def evidence_of_draft(draft: Draft) -> dict[str, Json]:
-    """The evidence of each drafted joint and closure, and why to review it."""
-    return {one.name: _evidence(one) for one in (*draft.joints, *draft.closures)}
-
-
 def _evidence(one: DraftConnection) -> Json:
+    """The evidence of a drafted joint or closure, and why to review it."""
     weak = one.doubt or ("weak evidence, to be reviewed" if one.is_reviewed else "")
     return {
         "evidence": "; ".join((f"a guess, score {one.confidence.score:.2f}", *one.confidence.evidence)),
@@ -183,7 +179,9 @@ def guessed(shown: Shown, step: Path, options: Options) -> Shown:
     assembly, drafting = shown.assembly, draft_step(step, options)
     if assembly is None or drafting.draft is None:
         return shown
-    robot, evidence = robot_of_draft(assembly, drafting.draft), evidence_of_draft(drafting.draft)
+    draft = drafting.draft
+    robot = robot_of_draft(assembly, draft)
+    evidence = {one.name: _evidence(one) for one in (*draft.joints, *draft.closures)}
     scene = scene_document(robot, evidence=evidence, assembly=assembly, found=shown.diagnostics)
     return replace(shown, scene=scene, robot=robot)
 

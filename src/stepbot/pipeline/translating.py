@@ -163,7 +163,7 @@ def _robot(
     if description.plain_meshes:
         meshes = ", ".join(f"'{uri}'" for uri in description.plain_meshes)
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
-    described = _with_assumed(described, options) if options.assume_inertia else _with_lumped(described)
+    described = _with_possible_masses(described, options)
     lacking_inertia = () if options.assume_inertia else description.without_inertia
     without_inertia = [link for link in lacking_inertia if link not in replaced]
     for link in without_inertia:
@@ -210,18 +210,17 @@ def _robot(
     return robot, replace(described, robot=robot)
 
 
-def _with_assumed(described: Described, options: Options) -> Described:
-    """The robot with mass properties from its geometry where the file states none that are possible."""
+def _with_possible_masses(described: Described, options: Options) -> Described:
+    """The robot with mass properties from its geometry where the file states none that are possible, if requested.
+
+    Otherwise with impossible inertias of slight links on what they are fixed to.
+    """
     robot, findings = described.robot, list[Finding]()
-    solids = options.workers.call("stepbot.described.assumed:solids_of", lacking(robot))
-    robot = with_assumed(robot, solids, options.assume_inertia, findings)
-    return replace(described, robot=robot, findings=(*described.findings, *findings))
-
-
-def _with_lumped(described: Described) -> Described:
-    """The robot with impossible inertias of slight links on what they are fixed to."""
-    findings = list[Finding]()
-    robot = lumped(described.robot, findings)
+    if options.assume_inertia:
+        solids = options.workers.call("stepbot.described.assumed:solids_of", lacking(robot))
+        robot = with_assumed(robot, solids, options.assume_inertia, findings)
+    else:
+        robot = lumped(robot, findings)
     return replace(described, robot=robot, findings=(*described.findings, *findings))
 
 

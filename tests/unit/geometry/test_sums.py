@@ -15,7 +15,7 @@ from stepbot.geometry.inertia import MassProperties, combined
 
 SOURCE = Path(__file__).resolve().parents[3] / "src"
 COUNTS = re.compile(
-    r"len\(|map\(len,|int\(|1\b|count$|any\(|bool\(|(map\()?self(\._lines)?\.has\b|_straighten_edge\(|_faces_drawn\(|sizes\["
+    r"len\(|map\(len,|int\(|1\b|(one\.face_)?count$|any\(|bool\(|(map\()?self(\._lines)?\.has\b|_straighten_edge\(|_faces_drawn\(|sizes\["
     r"|.*(\.size| (==|!=|<=?|>=?|is not|in) .*|nthreads\(\)\.values\(\))$"
 )
 """Arguments allowed for the built-in ``sum``: whole numbers."""

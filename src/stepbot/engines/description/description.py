@@ -10,8 +10,8 @@ from msgspec import Struct
 from stepbot.diagnostics import Span
 from stepbot.engines.resources import resolve
 from stepbot.geometry.mesh import TriMesh, revolved
-from stepbot.geometry.mesh_files import KINDS, Color, MeshContent, read_content
-from stepbot.geometry.primitives import Primitive, half_size
+from stepbot.geometry.mesh_files import KINDS, MeshContent, read_content
+from stepbot.geometry.primitives import Color, Primitive, half_size
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, box_corners
 from stepbot.robot.model import Rgba
 from stepbot.robot.surfaces import PLAIN, Surface

@@ -174,11 +174,15 @@ def union_volume(parts: Sequence[tuple[TriMesh, Pose]]) -> float:
     """Volume [m^3] of the union of closed meshes, each given in A and placed by X_WA."""
     import manifold3d
 
-    placed = []
-    for mesh, X_WA in parts:
-        closed = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64)))
-        placed.append(closed.transform(X_WA.matrix[:3]))
+    placed = [_closed(mesh).transform(X_WA.matrix[:3]) for mesh, X_WA in parts]
     return float(manifold3d.Manifold.batch_boolean(placed, manifold3d.OpType.Add).volume())
+
+
+def _closed(mesh: TriMesh) -> Any:
+    """A closed mesh as a manifold."""
+    import manifold3d
+
+    return manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64)))
 
 
 def joined_solid(parts: Sequence[tuple[TriMesh, Pose]]) -> tuple[Any | None, tuple[int, ...]]:
@@ -192,8 +196,7 @@ def joined_solid(parts: Sequence[tuple[TriMesh, Pose]]) -> tuple[Any | None, tup
     made: dict[int, Any] = {}  # by the mesh, which several parts may have
     for i, (mesh, X_AC) in enumerate(parts):
         if id(mesh) not in made:
-            arrays = manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64))
-            made[id(mesh)] = manifold3d.Manifold(arrays)
+            made[id(mesh)] = _closed(mesh)
         closed = made[id(mesh)]
         if closed.status() == manifold3d.Error.NoError and closed.volume() > 0.0:
             solids.append(closed if X_AC.is_identity else closed.transform(X_AC.matrix[:3]))

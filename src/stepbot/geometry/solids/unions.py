@@ -44,6 +44,11 @@ class Union:
         """Indices of the solids whose meshes bound no volume."""
 
     @cached_property
+    def face_count(self) -> int:
+        """Number of faces; 0 without any volume."""
+        return 0 if self.manifold is None else int(self.manifold.num_tri())
+
+    @cached_property
     def arrays(self) -> tuple[Array, NDArray[np.int64]]:
         """Vertices (n, 3) [m] and faces (m, 3), sorted."""
         return mesh_arrays(self.manifold)
@@ -68,39 +73,21 @@ class Union:
         return self.manifold if made.is_empty() or made.volume() <= 0.0 else made
 
 
-class _Unions:
-    """Unions by content, as long as there is room."""
-
-    def __init__(self) -> None:
-        self._kept: dict[bytes, Union] = {}
-        self._faces = 0
-
-    def of(self, solids: Sequence[PlacedSolid]) -> Union:
-        key = _content(solids)
-        if key in self._kept:
-            return self._kept[key]
-        made = Union(*joined_solid([(one.mesh, one.X_AC) for one in solids]))
-        faces = 0 if made.manifold is None else int(made.manifold.num_tri())
-        if self._faces + faces <= _MOST_FACES:
-            self._kept[key] = made
-            self._faces += faces
-        return made
-
-
-_UNIONS = _Unions()
-"""Those of this process."""
+_kept: dict[bytes, Union] = {}
+"""Those of this process, by the hash of meshes and poses."""
 
 
 def union(solids: Sequence[PlacedSolid]) -> Union:
-    """The union of solids, computed once for equal ones."""
-    return _UNIONS.of(solids)
-
-
-def _content(solids: Sequence[PlacedSolid]) -> bytes:
-    """A hash of meshes and poses."""
+    """The union of solids, computed once for equal ones, as long as there is room."""
     content = sha256()
     for one in solids:
         for array in (one.mesh.vertices, one.mesh.faces, one.X_AC.matrix):
             content.update(repr(array.shape).encode())
             content.update(array.tobytes())
-    return content.digest()
+    key = content.digest()
+    if key in _kept:
+        return _kept[key]
+    made = Union(*joined_solid([(one.mesh, one.X_AC) for one in solids]))
+    if sum(one.face_count for one in (*_kept.values(), made)) <= _MOST_FACES:
+        _kept[key] = made
+    return made
