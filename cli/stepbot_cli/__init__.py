@@ -5,8 +5,8 @@ try:
 
     restrict_import_path()  # before anything else is imported
 
-    from .application import main
+    from .application import command, main
 except KeyboardInterrupt:  # Ctrl-C while modules are imported
     raise SystemExit(130) from None
 
-__all__ = ["main"]
+__all__ = ["command", "main"]

@@ -134,6 +134,32 @@ def test_arguments_default_to_those_of_the_process() -> None:
     assert "stepbot, version" in run.stdout
 
 
+@pytest.mark.parametrize(("arguments", "code"), [(["--version"], 0), (["explain", "SB000"], 2)])
+def test_installed_command_ends_at_once(arguments: list[str], code: int) -> None:
+    """The installed command writes its output and cleans up; an object that remains is not deleted."""
+    lines = (
+        "import atexit, sys; from stepbot_cli import command",
+        "class Kept: __del__ = lambda self: print('freed')",
+        "kept = Kept(); atexit.register(print, 'cleaned up', end=''); command()",
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", "\n".join(lines), *arguments], capture_output=True, text=True, check=False
+    )
+    assert run.returncode == code
+    assert run.stdout.endswith("cleaned up")
+    assert ("version" in run.stdout, "Usage: stepbot" in run.stderr) == (code == 0, code == 2)
+
+
+def test_installed_command_waits_for_threads() -> None:
+    """A thread that is not a daemon ends before the process does."""
+    code = (
+        "import threading, time; from stepbot_cli import command;"
+        "threading.Thread(target=lambda: (time.sleep(0.2), print('done'))).start(); command()"
+    )
+    run = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout.splitlines()[-1]) == (0, "done")
+
+
 def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """An unexpected exception is reported as SB901 with its traceback and exit code 2."""
     monkeypatch.setattr(schema, "command", failing_with(ZeroDivisionError("division by zero")))

@@ -21,7 +21,7 @@ _INDENTED = 30
 """Levels of elements that are indented: beyond, a chain of links would take space quadratic in its length."""
 _SLOTS = ("\x01", "\x02")
 """Stand for the first and the second value of a pattern; no document can contain them."""
-_NOT_XML = re.compile("[^\x01\x02\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_XML = re.compile("[\0\x03-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 """Characters that XML 1.0 does not allow, without those of slots."""
 _NO_NAMESPACES: Mapping[str, str] = MappingProxyType({})
 _NOT_ALLOWED = "U+{:04X} cannot be written to XML"

@@ -8,16 +8,13 @@ from .mesh import TriMesh
 from .predicates import is_watertight
 from .volume import VolumeProperties
 
-_UNUSED = (
-    *("networkx", "scipy"),
-    *("PIL", "embreex", "fcl", "jsonschema", "lxml", "manifold3d", "rtree", "shapely"),
-)
-"""Modules that trimesh imports but integrals over triangles do not need."""
+EXTRAS = ("PIL", "embreex", "fcl", "jsonschema", "manifold3d", "networkx", "rtree", "scipy", "shapely")
+"""Modules that trimesh imports if they are installed, and that nothing here needs of it."""
 
 
 def prepare() -> None:
     """Import trimesh, in a process that only measures."""
-    import_lightly("trimesh.triangles", _UNUSED)
+    import_lightly("trimesh.triangles", (*EXTRAS, "lxml"))
 
 
 def measured(mesh: TriMesh) -> VolumeProperties | None:

@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Struct
 
 from .fixed_point import distinct_rows
-from .spatial import Array, Pose, matrix_product, rotated, tidy_arrays
+from .spatial import Array, Pose, corners, matrix_product, rotated, tidy_arrays
 
 
 class Poses(Struct, frozen=True, eq=False):
@@ -68,6 +68,6 @@ def bounds_at(points: Array, poses: Poses) -> tuple[Array, Array]:
     low, high = np.empty_like(poses.p), np.empty_like(poses.p)
     first, kinds = distinct_rows(poses.R.reshape(-1, 9))
     for kind, row in enumerate(first.tolist()):
-        turned, at = rotated(poses.R[row], points), kinds == kind
-        low[at], high[at] = turned.min(axis=0) + poses.p[at], turned.max(axis=0) + poses.p[at]
+        (lowest, highest), at = corners(rotated(poses.R[row], points)), kinds == kind
+        low[at], high[at] = lowest + poses.p[at], highest + poses.p[at]
     return low, high

@@ -117,7 +117,7 @@ def _diagnostic(diagnostic: Diagnostic) -> Json:
     return picked(diagnostic, "code severity message file line column help notes", **place)
 
 
-_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_IN_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class Suite(Struct, frozen=True):

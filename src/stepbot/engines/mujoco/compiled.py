@@ -5,7 +5,7 @@ from functools import cached_property
 from itertools import combinations
 from typing import Any
 
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import Pose, corners
 
 from .coordinates import Balls, Coordinates
 from .model import NamedModel
@@ -31,8 +31,11 @@ class Compiled(NamedModel, frozen=True, dict=True):
         model = self.model
         start, first, count = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
         vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
-        seen = vertices[model.mesh_face[first : first + count].ravel()]
-        return bool((vertices.min(axis=0) < seen.min(axis=0)).any() or (vertices.max(axis=0) > seen.max(axis=0)).any())
+        (low, high), (lowest, highest) = (
+            corners(vertices[model.mesh_face[first : first + count].ravel()]),
+            corners(vertices),
+        )
+        return bool((lowest < low).any() or (highest > high).any())
 
     @cached_property
     def _data(self) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
+from stepbot.geometry.mass_properties import EXTRAS
 from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.runtime.import_path import import_lightly
@@ -48,8 +49,8 @@ _MOVING = ("revolute", "continuous", "prismatic")
 
 
 def prepare() -> None:
-    """Import the engine's slow modules, without the parts of trimesh that need scipy or networkx."""
-    import_lightly("yourdfpy", ("networkx", "scipy"))
+    """Import the engine's slow modules, without the extras of trimesh."""
+    import_lightly("yourdfpy", EXTRAS)
 
 
 def observe(request: Request) -> Observation:

@@ -11,6 +11,7 @@ Only regular files with the names of entries are read and removed, and no symbol
 what someone else has put there, or links from there, stays as it is.
 """
 
+import contextlib
 import errno
 import hashlib
 import os
@@ -62,6 +63,8 @@ _KEPT_SHARE = 0.8
 """Share of the limit that remains after entries are removed, so that this is not needed for every new one."""
 _SCAN_SHARE = 1.0 / 64.0
 """Share of the limit that a process adds before it checks the total size of all processes' entries again."""
+_CHECKED_FOR = 300.0
+"""Time [s] after a check by any process within which the next process makes none: it takes 5 ms per 1,000 entries."""
 
 
 class Usage(NamedTuple):
@@ -91,7 +94,7 @@ class Cache:
     def __init__(self, folder: Path, limit: int = DEFAULT_LIMIT) -> None:
         self.folder, self.limit = folder, limit
         self.trouble = ""
-        self._added = limit  # so that the first entry of a process triggers a check
+        self._added: int | None = None
 
     def get(self, key: str) -> bytes | None:
         """The entry under a key; None if it is missing or damaged."""
@@ -117,6 +120,8 @@ class Cache:
         """Store an entry, unless it is larger than a quarter of the limit."""
         if len(content) > self.limit // 4:
             return
+        if self._added is None:  # before a new folder changes the time of the one above
+            self._added = self._unchecked()
         path = self._path(key)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -131,8 +136,20 @@ class Cache:
             self._added = 0
             self.trim()
 
+    def _unchecked(self) -> int:
+        """Size [bytes] that may have been added since the last check, of which the folder has the time."""
+        try:
+            age = time.time() - (self.folder / _FORMAT).stat().st_mtime
+        except OSError:
+            return self.limit
+        return 0 if 0.0 <= age < _CHECKED_FOR else self.limit
+
     def trim(self) -> None:
         """Remove the least recently used entries above the limit, and leftovers of killed processes."""
+        folder = self.folder / _FORMAT
+        with contextlib.suppress(OSError):
+            if not folder.is_symlink():
+                os.utime(folder)
         entries = list(self._entries())
         size = sum(entry.size for entry in entries)
         if size <= self.limit:

@@ -78,6 +78,20 @@ def test_least_recently_used_go_first(tmp_path: Path) -> None:
     assert left[1] > 1
 
 
+def test_processes_share_the_check_of_the_size(tmp_path: Path) -> None:
+    """The first entry of a process checks the size of all, unless a process has done so in the last minutes."""
+    for number in range(20):
+        Cache(tmp_path).put(key(number), bytes(10_000))
+    Cache(tmp_path, limit=100_000).put(key(20), b"small")
+    assert Cache(tmp_path).usage().size > 100_000
+    os.utime(tmp_path / "entries-1", (1, 1))
+    Cache(tmp_path, limit=100_000).put(key(21), b"small")
+    assert Cache(tmp_path).usage().size <= 100_000
+    os.utime(tmp_path / "entries-1", (1, 1))
+    Cache(tmp_path).put(key(22), b"small")
+    assert (tmp_path / "entries-1").stat().st_mtime > 1
+
+
 def test_what_is_too_large_is_not_kept(tmp_path: Path) -> None:
     """An entry above the limit is not stored and removes no other."""
     cache = Cache(tmp_path, limit=1000)
