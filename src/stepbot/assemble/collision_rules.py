@@ -4,8 +4,8 @@ from msgspec import Struct
 
 from stepbot.geometry.solids.collision_sets import CLOSE, FEW, MAX_HULLS, MAX_VERTICES
 from stepbot.sidecar.contact import Contact
-from stepbot.sidecar.document import CollisionSettings, CollisionShape, Derived, Document, MergedCollision
-from stepbot.sidecar.shapes import is_for_mjx
+from stepbot.sidecar.document import Document
+from stepbot.sidecar.shapes import CollisionSettings, CollisionShape, Derived, MergedCollision, is_for_mjx
 
 MJX_FACES, MJX_HULLS = 20, 1
 """Maximum number of flat faces of a hull, and of hulls of a link, for MJX.

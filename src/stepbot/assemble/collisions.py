@@ -24,8 +24,8 @@ from stepbot.robot.mesh_names import ascii_name
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere
 from stepbot.robot.surfaces import Surface
 from stepbot.sidecar.contact import surface_of
-from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.shapes import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
 from stepbot.step.features.axes import axis_faces, lines
 from stepbot.step.structure.paths import quoted
 

@@ -8,8 +8,8 @@ import numpy as np
 from stepbot.geometry.spatial import cross
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import JointKind
-from stepbot.sidecar.document import ClosureSection, ExplicitOrigin, JointSection
-from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin, Origin
+from stepbot.sidecar.document import ClosureSection, JointSection
+from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, ExplicitOrigin, MateOrigin, Origin
 from stepbot.step.features.axes import millimetres
 from stepbot.step.features.ground import standing
 

@@ -26,7 +26,8 @@ from stepbot.runtime.cache import Cache
 from stepbot.runtime.cache.by_content import ResultsByContent
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker, WorkerDied
-from stepbot.sidecar.document import CollisionShape, Document
+from stepbot.sidecar.document import Document
+from stepbot.sidecar.shapes import CollisionShape
 from stepbot.step.assembly import Assembly, AxisFace, Component
 
 from .binder import Binder

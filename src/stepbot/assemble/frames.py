@@ -15,7 +15,8 @@ from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.joint_table import Basis, Evidence
 from stepbot.robot.kinematics import displacement
 from stepbot.robot.model import Joint, JointKind
-from stepbot.sidecar.document import (
+from stepbot.sidecar.draft_comments import drafted_reviews
+from stepbot.sidecar.origins import (
     AutoOrigin,
     AxisOrigin,
     CenterOrigin,
@@ -24,7 +25,6 @@ from stepbot.sidecar.document import (
     MateOrigin,
     Origin,
 )
-from stepbot.sidecar.draft_comments import drafted_reviews
 from stepbot.sidecar.tree import Keys
 from stepbot.step.features.axes import (
     AxisFaces,

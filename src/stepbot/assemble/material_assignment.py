@@ -13,7 +13,8 @@ from msgspec.structs import replace
 
 from stepbot.robot.model import Rgba
 from stepbot.sidecar.contact import Contact
-from stepbot.sidecar.document import Derived, Document, MaterialSection, PartRule, StepDensity
+from stepbot.sidecar.document import Document, MaterialSection, PartRule, StepDensity
+from stepbot.sidecar.shapes import Derived
 from stepbot.sidecar.tree import Keys, subject
 from stepbot.step.assembly import BodyKind, Component
 from stepbot.step.structure.paths import quoted

@@ -12,8 +12,8 @@ from msgspec import Struct
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import Joint, JointKind, Robot
-from stepbot.sidecar.document import AutoOrigin, ExplicitOrigin, Offset, Origin
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.origins import AutoOrigin, ExplicitOrigin, Offset, Origin
 from stepbot.sidecar.tree import Keys, subject
 
 from .parts import Part, image_name, joints_above

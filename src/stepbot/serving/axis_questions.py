@@ -7,6 +7,7 @@ from math import isfinite
 from msgspec.structs import asdict
 
 from stepbot.pipeline.scenes import Shown
+from stepbot.report.plain import Json
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointKind
 from stepbot.robot.multi_dof import unfolded
@@ -20,7 +21,7 @@ from stepbot.verification.self_collision.worker import ContactSearch
 from stepbot.viewing.joining import lines_of_origin, shared_lines
 
 from .local_server import Refused
-from .questions import Json, text
+from .questions import text
 
 _TIMEOUT = 30.0
 """Time limit [s] of an answer."""

@@ -16,24 +16,18 @@ from stepbot.compose.changing import CHANGEABLE, sidecar_of
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.text.densities import typical_densities
 from stepbot.pipeline.conversion import is_description
+from stepbot.report.plain import Json
 from stepbot.robot.model import Module, Robot
 from stepbot.runtime.robot_library import LIBRARY
-from stepbot.sidecar.draft_comments import (
-    DraftedFused,
-    drafted_actuators,
-    drafted_fused,
-    drafted_questions,
-    reviews,
-)
+from stepbot.sidecar.draft_comments import DraftedFused, drafted_actuators, drafted_fused, drafted_questions, reviews
 from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove, Rename
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motors import catalogue_names
 from stepbot.sidecar.schema import json_schema
-from stepbot.sidecar.tree import SECTIONS, Keys, Listing, Mapping, Scalar, Tree, last_line, plain_data, way
+from stepbot.sidecar.tree import SECTIONS, Keys, Mapping, Tree, entries_of, last_line, plain_data, scalars, value_at
 from stepbot.sidecar.variants import merged
 
 from .local_server import Refused
-from .questions import Json
 
 _OF_STEP = ("step", "root", "materials", "defaults", "parts", "mass", "step_density", "step_encoding", "closures")
 _STAY = ("assign", "add_joint", "add_closure", "remove_joint", "merge", "root", "origin", "confirm")
@@ -61,8 +55,8 @@ def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
     source = section.file or ""
     if section.prefix != "" or section.mirror or not is_description(sidecar.path.parent / source):
         return Edited(sidecar, sidecar.root)
-    values = way(sidecar.root, ("modules", module, "set"))
-    changes = values[3] if len(values) == 4 and isinstance(values[3], Mapping) else None
+    given = value_at(sidecar.root, ("modules", module, "set"))
+    changes = given if isinstance(given, Mapping) else None
     base = sidecar_of(robot, changes, sidecar.path.parent / source, found := Diagnostics())
     if base is None:
         raise Refused(next((one.message for one in found), "the description cannot be edited"))
@@ -142,7 +136,7 @@ def in_file(actual: Sidecar, view: Edited, changes: list[Change], question: Json
 def _in_file(actual: Sidecar, view: Edited, changes: list[Change], action: str) -> Iterator[Change]:
     for change in changes:
         keys = _placed(view, change.keys)
-        is_there = len(way(actual.root, keys)) == len(keys) + 1
+        is_there = value_at(actual.root, keys) is not None
         if isinstance(change, Rename):
             yield from _renamed(actual, view, change)
             if is_there:
@@ -172,16 +166,12 @@ def _renamed(actual: Sidecar, view: Edited, change: Rename) -> Iterator[Change]:
     names: dict[str, str] = dict(actual.document.modules[view.module].rename).get(section, {})  # type: ignore[call-overload]
     former = next((old for old, new in names.items() if new == name), name)
     place: Keys = ("modules", view.module, "rename", section, former)
-    own = way(actual.root, ("modules", view.module, "set", section, name))
-    if former == name and len(own) == 6 and section in ("frames", "actuators", "sensors") and _is_new(own[-1]):
+    own = value_at(actual.root, ("modules", view.module, "set", section, name))
+    # One that states where it is is not in the description.
+    is_new = isinstance(own, Mapping) and not {"link", "joint"}.isdisjoint(own.entries)
+    if former == name and section in ("frames", "actuators", "sensors") and is_new:
         return
     yield Remove(place) if former == change.name else Put(place, change.name)
-
-
-def _is_new(values: Tree) -> bool:
-    """Whether values are those of an element that the description does not have: it states where it is."""
-    known = {"link", "joint"}
-    return isinstance(values, Mapping) and not known.isdisjoint(values.entries)
 
 
 _PLACEHOLDERS = ("SB463", "SB522")
@@ -217,7 +207,7 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
     about = {tuple(keys) for one in found for keys in one["keys"]}
     found += _marks(sidecar, about)
     about |= {tuple(keys) for one in found for keys in one["keys"]}
-    todo = [keys for keys, value in _scalars(sidecar.root, ()) if value == "todo"]
+    todo = [keys for keys, one in scalars(sidecar.root) if one.value == "todo"]
     kinds = {name: joint.type.value for name, joint in sidecar.document.joints.items()}
     places: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
     for keys in todo:
@@ -317,11 +307,10 @@ _FINDING = ("help", "code", "severity")
 
 def _places(root: Tree) -> Iterator[tuple[Keys, int, int]]:
     """Sections and their entries, with their first and last line."""
-    for key, entry in root.entries.items() if isinstance(root, Mapping) else ():
+    for key, entry in entries_of(root).items():
         yield (key,), entry.key_span.line, last_line(entry.value)
-        if isinstance(entry.value, Mapping):
-            for name, one in entry.value.entries.items():
-                yield (key, name), one.key_span.line, last_line(one.value)
+        for name, one in entries_of(entry.value).items():
+            yield (key, name), one.key_span.line, last_line(one.value)
 
 
 def _keys_at(sidecar: Sidecar, line: int) -> Keys:
@@ -331,14 +320,3 @@ def _keys_at(sidecar: Sidecar, line: int) -> Keys:
         if first <= line <= last and (len(keys) == 1 or keys[0] in SECTIONS):
             found = keys
     return found
-
-
-def _scalars(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, Any]]:
-    if isinstance(tree, Scalar):
-        yield keys, tree.value
-    elif isinstance(tree, Listing):
-        for index, value in enumerate(tree.values):
-            yield from _scalars(value, (*keys, index))
-    else:
-        for key, entry in tree.entries.items():
-            yield from _scalars(entry.value, (*keys, key))

@@ -7,7 +7,6 @@ every byte outside the change stays.
 from collections.abc import Callable
 from pathlib import Path
 from threading import Lock
-from typing import Any
 
 from msgspec.structs import replace
 
@@ -17,6 +16,7 @@ from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.drafting import draft_step
 from stepbot.pipeline.scenes import Shown, show_text
 from stepbot.pipeline.sidecars import named_step
+from stepbot.report.plain import Json
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import read_regular, write_file
 from stepbot.sidecar.draft_comments import drafted_questions
@@ -29,7 +29,6 @@ from .edits import changes_of
 from .local_server import Refused
 from .questions import text as text_of
 
-Json = dict[str, Any]
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
@@ -47,12 +46,7 @@ class Editor:
         show: Callable[[Shown], None],
         robot: Callable[[], Robot | None] = lambda: None,
     ) -> None:
-        """Edit a sidecar.
-
-        Args:
-            show: Shows what was written.
-            robot: The robot that is shown.
-        """
+        """Edit a sidecar; ``show`` shows what was written, ``robot`` returns the robot that is shown."""
         self._sidecar, self._options, self._show, self._robot = sidecar, options, show, robot
         self.lock = Lock()
         """Held while the file is read, changed and written."""
@@ -84,27 +78,15 @@ class Editor:
             return self.state()
 
     def undo(self, question: Json) -> Json:  # noqa: ARG002 - every answer gets a question
-        """Take back the last step.
-
-        Raises:
-            Refused: There is none, or the file was changed elsewhere.
-        """
+        """Take back the last step; refused if there is none, or the file was changed elsewhere."""
         return self._move(self._done, self._undone, back=True)
 
     def redo(self, question: Json) -> Json:  # noqa: ARG002
-        """Do the last undone step again.
-
-        Raises:
-            Refused: There is none, or the file was changed elsewhere.
-        """
+        """Do the last undone step again; refused likewise."""
         return self._move(self._undone, self._done, back=False)
 
     def sidecar(self) -> Edited:
-        """The sidecar as it is now, as the page edits it.
-
-        Raises:
-            Refused: It has errors.
-        """
+        """The sidecar as it is now, as the page edits it; refused if it has errors."""
         return edited_view(self._parsed(_lines(self._content())[0]), self._robot())
 
     def state(self) -> Json:

@@ -6,6 +6,7 @@ Each function takes the sidecar and a question of the page, which may hold anyth
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from stepbot.report.plain import Json
 from stepbot.robot.joint_types import kinds_with
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.draft_comments import (
@@ -20,13 +21,12 @@ from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove
 from stepbot.sidecar.ignored import KEY as IGNORED
 from stepbot.sidecar.ignored import can_ignore
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, plain_data, way
+from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, Scalar, child, entries_of, value_at, way
 
 from .joint_edits import WITH_LIMITS, change_type, choose_line, confirm, flip, kind_of, set_limits, stops_gone
 from .local_server import Refused
 from .questions import (
     NAMED,
-    Json,
     limits,
     names_of,
     one_line,
@@ -50,7 +50,7 @@ _DECIDED = ("defaults", "root")
 def set_value(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{keys, text}``, the value at keys as YAML on one line, or ``{keys, value}``; an empty one removes it."""
     keys = keys_of(question)
-    value = _value(question)
+    value: Any = question["value"] if "value" in question else one_line(text(question, "text"))
     if value == "" and "value" in question:
         value = None
     if keys[0] == "joints" and keys[2:] == ("type",):
@@ -59,9 +59,10 @@ def set_value(sidecar: Sidecar, question: Json) -> list[Change]:
     exists = len(values) == len(keys) + 1
     reviewed: list[Change] = [Annotate(keys[:1], without_reviews)] if keys[0] in _DECIDED and len(values) > 1 else []
     if value is None:
-        return [Remove(keys), *(reviewed if _has_other(sidecar, keys) else [])] if exists else []
+        has_others = len(entries_of(child(sidecar.root, keys[0]))) > 1
+        return [Remove(keys), *(reviewed if has_others else [])] if exists else []
     if len(values) <= 2 <= len(keys) and keys[0] in ELEMENTS:
-        require_portable(str(keys[1]))
+        require_portable(str(keys[1]), str(keys[0]).removesuffix("s"))
         if keys[0] in NAMED:
             require_free(sidecar.document, str(keys[0]), str(keys[1]))
     # A word that stands for settings, such as `limits: todo`, gives way to them.
@@ -73,12 +74,8 @@ def set_value(sidecar: Sidecar, question: Json) -> list[Change]:
     # A density that is not known yet gives way to what is known, and so does a material or mass.
     waiting = [(*keys[:-1], key) for key in _OF_MASS if keys[-1] in _OF_MASS and key != keys[-1]]
     answered = [Remove(one) for one in waiting if _is_open(sidecar, one)]
-    return [
-        Put(keys, value),
-        *answered,
-        *reviewed,
-        *(stops_gone(sidecar, str(keys[1])) if keys[2:] == ("origin",) else []),
-    ]
+    stops = stops_gone(sidecar, str(keys[1])) if keys[2:] == ("origin",) else []
+    return [Put(keys, value), *answered, *reviewed, *stops]
 
 
 def append(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001 - every action gets it
@@ -89,7 +86,7 @@ def append(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001 - 
 def confirm_marks(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{keys}``: the REVIEW comments of the draft about an entry are settled."""
     keys = keys_of(question)
-    if len(way(sidecar.root, keys)) != len(keys) + 1:
+    if value_at(sidecar.root, keys) is None:
         raise Refused(f"there is no {'.'.join(map(str, keys))}")
     return [Annotate(keys, without_reviews)]
 
@@ -147,19 +144,8 @@ def keys_of(question: Json) -> Keys:
 
 def _is_open(sidecar: Sidecar, keys: Keys) -> bool:
     """Whether the value at keys is the placeholder."""
-    values = way(sidecar.root, keys)
-    return len(values) == len(keys) + 1 and plain_data(values[-1]) == "todo"
-
-
-def _has_other(sidecar: Sidecar, keys: Keys) -> bool:
-    section = way(sidecar.root, keys[:1])[-1]
-    return isinstance(section, Mapping) and len(section.entries) > 1
-
-
-def _value(question: Json) -> Any:
-    if "value" in question:
-        return question["value"]
-    return one_line(text(question, "text"))
+    value = value_at(sidecar.root, keys)
+    return isinstance(value, Scalar) and value.value == "todo"
 
 
 _REVERSIBLE = (*kinds_with(is_pair=True), "fixed")
@@ -270,9 +256,9 @@ def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
     document = sidecar.document
     name, parent, child = (text(question, key).strip() for key in ("name", "parent", "child"))
     kind, needed = kind_of(question)
-    require_portable(name)
+    require_portable(name, "joint")
     if child not in document.links:
-        require_portable(child)
+        require_portable(child, "link")
     require_free(document, "joints", name)
     if parent not in document.links:
         raise Refused(f"no link '{parent}'")
@@ -288,7 +274,7 @@ def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
 def _add_closure(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{name, kind, parent, child, origin}``: a joint between two links that closes a loop."""
     name, kind = text(question, "name").strip(), text(question, "kind")
-    require_portable(name)
+    require_portable(name, "closure")
     require_free(sidecar.document, "closures", name)
     if kind not in _CLOSING:
         raise Refused(f"no closures of type '{kind}' here; edit the sidecar")

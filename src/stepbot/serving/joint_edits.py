@@ -2,15 +2,15 @@
 
 from typing import Any
 
+from stepbot.report.plain import Json
 from stepbot.robot.joint_types import JointKind, kinds_with
 from stepbot.sidecar.draft_comments import drafted_stops, mirrored_stops, without_reviews, without_stops
 from stepbot.sidecar.editing import Annotate, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.text import file_name
 from stepbot.sidecar.tree import plain_data
 
 from .local_server import Refused
-from .questions import Json, axis, limits, one_line, selectors, text
+from .questions import axis, limits, one_line, selectors, text
 
 WITH_LIMITS = kinds_with(bounded=True)
 _TURNING = kinds_with(is_hinge=True)
@@ -60,16 +60,13 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
     if former.needs in written:
         changes.append(Remove((*place, former.needs)))
     bounds = written.get("limits")
+    given: Json = bounds if isinstance(bounds, dict) else {}
     # Limits of a description stay with its type, and give way to another one.
-    others = (
-        [key for key in bounds if key not in _BOUNDS and _is_own(sidecar, name, key)]
-        if isinstance(bounds, dict)
-        else []
-    )
+    others = [key for key in given if key not in _BOUNDS and _is_own(sidecar, name, key)]
     if others and not {kind, former} <= set(_TURNING):
         raise Refused(f"`{others[0]}` of '{name}' does not fit type {kind}; remove it in the sidecar first")
-    if others and isinstance(bounds, dict):
-        changes += [Remove((*place, "limits", key)) for key in _BOUNDS if key in bounds]
+    if others:
+        changes += [Remove((*place, "limits", key)) for key in _BOUNDS if key in given]
     elif kind in WITH_LIMITS:
         changes.append(Put((*place, "limits"), "todo"))
     elif bounds is not None:
@@ -159,7 +156,7 @@ def _written(sidecar: Sidecar, section: str, name: str) -> Json:
 
 def _is_own(sidecar: Sidecar, joint: str, limit: str) -> bool:
     """Whether a limit is in the file itself."""
-    return sidecar.span("joints", joint, "limits", limit).file == file_name(sidecar.path)
+    return sidecar.span("joints", joint, "limits", limit).file == sidecar.path.as_posix()
 
 
 def _negated(value: Any) -> Any:

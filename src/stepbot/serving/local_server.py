@@ -15,10 +15,10 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from math import isfinite
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
-from typing import Any
 from urllib.parse import unquote
 
-Json = dict[str, Any]
+from stepbot.report.plain import Json
+
 Answer = Callable[[Json], Json]
 
 ADDRESS = "127.0.0.1"
@@ -110,10 +110,6 @@ class LocalServer:
             self._listeners.append(queue)
         return queue
 
-    def _leave(self, queue: "SimpleQueue[bytes | None]") -> None:
-        with self._lock:
-            self._listeners.remove(queue)
-
 
 class _Server(ThreadingHTTPServer):
     daemon_threads = True
@@ -170,11 +166,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _answer(self, answer: Answer) -> None:
         length = self.headers.get("Content-Length", "")
-        if (
-            not (length.isascii() and length.isdigit())
-            or len(length) > _LONGEST_LENGTH
-            or int(length) > LARGEST_QUESTION
-        ):
+        is_length = length.isascii() and length.isdigit() and len(length) <= _LONGEST_LENGTH
+        if not is_length or int(length) > LARGEST_QUESTION:
             self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
             return
         try:
@@ -218,7 +211,8 @@ class _Handler(BaseHTTPRequestHandler):
         except OSError:  # the page was closed
             return
         finally:
-            self.server.local._leave(queue)
+            with self.server.local._lock:
+                self.server.local._listeners.remove(queue)
 
     def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
         self.send_response(status)

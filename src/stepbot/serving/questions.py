@@ -1,22 +1,23 @@
 """Values of a question that a page asks, which may hold anything, as a sidecar writes them; new names."""
 
-import re
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 from math import degrees as in_degrees
 from math import isfinite
 from typing import Any
 
-from stepbot.robot.mesh_names import free_name
-from stepbot.sidecar.document import Document, ExplicitOrigin
+from stepbot.report.plain import Json
+from stepbot.robot.mesh_names import free_name, portable_name
+from stepbot.sidecar.component_paths import origins
+from stepbot.sidecar.document import Document
 from stepbot.sidecar.editing import CannotEdit, Change, Put, Rename, value_of
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.origins import Origin
+from stepbot.sidecar.origins import ExplicitOrigin
+from stepbot.sidecar.references import joint_references, link_references
 from stepbot.sidecar.tree import Keys
 
 from .local_server import Refused
 
-Json = dict[str, Any]
 _LONGEST = 4000
 """Characters of a value."""
 
@@ -116,7 +117,6 @@ def _millimetres(length: float) -> str:
     return f"{round(length * 1e3, 4) + 0.0:.10g} mm"
 
 
-_PORTABLE = re.compile(r"[A-Za-z_][\w.-]{0,199}", re.ASCII)
 NAMED = ("links", "joints", "closures", "frames")
 """Sections of the sidecar whose entries need different names."""
 
@@ -132,17 +132,17 @@ def rename(sidecar: Sidecar, question: Json) -> list[Change]:
     section = next((one for one in sections if former in getattr(document, one)), None)
     if section is None:
         raise Refused(f"no {question['what']} '{former}'")
-    require_portable(new)
+    require_portable(new, section.removesuffix("s"))
     require_free(document, section, new)
     changes: list[Change] = []
     if section == "joints":
         changes += _patterns(document, former, new)
-    references = references_to_links if section == "links" else _joints
+    references = references_to_links if section == "links" else joint_references
     changes += [Put(keys, new) for keys, name in references(document) if name == former]
     return [*changes, Rename((section, former), new)]
 
 
-def require_portable(name: str) -> None:
+def require_portable(name: str, kind: str) -> None:
     """Check that every format, ROS and xacro accept a new name.
 
     Raises:
@@ -150,10 +150,9 @@ def require_portable(name: str) -> None:
     """
     if not name:
         raise Refused("a name is missing")
-    if _PORTABLE.fullmatch(name) is None:
-        other = re.sub(r"[^\w.-]+", "_", name, flags=re.ASCII).strip("_.-")
-        hint = f"; try '{other if other[:1].isalpha() else f'n_{other}'}'" if other else ""
-        raise Refused(f"'{name}' is not a portable name: start with a letter, go on with a-z, 0-9, '_', '-', '.'{hint}")
+    if (other := portable_name(name, kind)) != name:
+        allowed = "start with a letter, go on with a-z, 0-9, '_', '-', '.'"
+        raise Refused(f"'{name}' is not a portable name: {allowed}; try '{other}'")
 
 
 def require_free(document: Document, section: str, name: str) -> None:
@@ -173,40 +172,12 @@ def require_free(document: Document, section: str, name: str) -> None:
     raise Refused(f"a {kind} and a {other} cannot have one name; try '{free}'")
 
 
-def _joints(document: Document) -> Iterator[tuple[Keys, str | None]]:
-    """Keys and names of all references to joints."""
-    for name, joint in document.joints.items():
-        if joint.mimic is not None:
-            yield ("joints", name, "mimic", "joint"), joint.mimic.joint
-    yield from ((("actuators", name, "joint"), one.joint) for name, one in document.actuators.items())
-    yield from ((("sensors", name, "joint"), one.joint) for name, one in document.sensors.items())
-
-
 def references_to_links(document: Document) -> Iterator[tuple[Keys, str | None]]:
     """Keys and names of all references to links."""
-    if document.root is not None:
-        yield ("root", "link"), document.root.link
-        yield from _relative(("root", "frame"), document.root.frame)
-    for name, joint in document.joints.items():
-        yield ("joints", name, "parent"), joint.parent
-        yield ("joints", name, "child"), joint.child
-        yield from _relative(("joints", name, "origin"), joint.origin)
-    for name, closure in document.closures.items():
-        yield ("closures", name, "link_a"), closure.link_a
-        yield ("closures", name, "link_b"), closure.link_b
-        yield from _relative(("closures", name, "origin"), closure.origin)
-    for index, pair in enumerate(document.excluded_contacts):
-        for side, link in enumerate(pair):
-            yield ("excluded_contacts", index, side), link
-    for section, placed in (("frames", document.frames), ("sensors", document.sensors)):
-        for name, one in placed.items():
-            yield (section, name, "link"), one.link
-            yield from _relative((section, name, "origin"), one.origin)
-
-
-def _relative(keys: Keys, origin: Origin | None) -> Iterator[tuple[Keys, str]]:
-    if isinstance(origin, ExplicitOrigin):
-        yield (*keys, "relative_to"), origin.relative_to
+    yield from link_references(document)
+    for keys, one in origins(document):
+        if isinstance(one, ExplicitOrigin):
+            yield (*keys, "relative_to"), one.relative_to
 
 
 def _patterns(document: Document, former: str, new: str) -> Iterator[Change]:

@@ -4,13 +4,13 @@ import threading
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
 
 from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.jobs.incremental import convert, produce
 from stepbot.pipeline.conversion import Conversion, Options, write
 from stepbot.pipeline.loading import hold_geometry, release_geometry
 from stepbot.pipeline.scenes import Shown, guessed, show
+from stepbot.report.plain import Json
 from stepbot.runtime.file import resolved
 from stepbot.runtime.output import failed_output
 from stepbot.viewing.joining import clicked_face
@@ -21,9 +21,6 @@ from .axis_questions import Contacts, axes_between, axes_of_joint
 from .decisions import module_command, vocabulary, written
 from .editor import Editor
 from .local_server import LocalServer, Refused
-
-Json = dict[str, Any]
-
 
 Produce = Callable[[Path, Options], Conversion]
 """Converts a sidecar, and writes nothing."""
@@ -70,10 +67,7 @@ class Session:
         """Called after an edit was shown."""
         self._editor: Editor | None = None
         self._contacts = Contacts(options.memory_limit)
-        answers = {
-            "face": self._face,
-            "contacts": lambda question: self._contacts.answer(self._shown, question),
-        }
+        answers = {"face": self._face, "contacts": lambda question: self._contacts.answer(self._shown, question)}
         if edits:
             self._editor = Editor(
                 target, options, self._edited, lambda: None if self._shown is None else self._shown.robot

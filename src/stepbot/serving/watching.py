@@ -49,11 +49,7 @@ class Prover:
     """
 
     def __init__(self, sessions: Sequence[Session], report: Callable[[Session, Conversion], None]) -> None:
-        """Start the thread.
-
-        Args:
-            report: Called with each result, in the thread.
-        """
+        """Start the thread, in which ``report`` is called with each result."""
         self._report = report
         self._wanted = {id(session): (session, Event()) for session in sessions}
         self._any, self._ended = Event(), False
@@ -141,14 +137,8 @@ def proof(sidecar: Path, options: Options) -> Conversion:
 def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> None:
     """Show a session's target again when another program saves one of its files, until ``ended`` is set.
 
-    It looks at the files 50 times a second, without `watchfiles`; the page's own edits are shown already.
-
-    Args:
-        changed: Called after each reading.
-        ended: Ends the function.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C.
+    It looks at the files 50 times a second, without `watchfiles`; the page's own edits are shown already. ``changed``
+    is called after each reading.
     """
     while not ended.wait(LOOK):
         shown = session.refresh()
@@ -157,15 +147,7 @@ def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> 
 
 
 def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None], ended: Event) -> None:
-    """Show each session's target again when one of its files changes, until ``ended`` is set.
-
-    Args:
-        changed: Called after each reading.
-        ended: Ends the function.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C.
-    """
+    """Show each session's target again when one of its files changes, and call ``changed``, until ``ended`` is set."""
     from watchfiles import watch as changes
 
     while not ended.is_set():

@@ -7,9 +7,10 @@ from queue import Empty, SimpleQueue
 from msgspec.structs import replace
 
 from stepbot.jobs.health import OK, PROBLEM, Item
+from stepbot.report.plain import Json
 
 from .local_server import LocalServer
-from .questions import Json, text
+from .questions import text
 
 _SECONDS = 30.0
 _SOFTWARE = ("swiftshader", "llvmpipe", "softpipe", "basic render", "software")

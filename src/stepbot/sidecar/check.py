@@ -11,7 +11,7 @@ from .modules import ModuleSection
 from .own_part import own_part
 from .references import check_names, check_references
 from .shapes import is_for_mjx
-from .text import BoundedDiagnostics, TooManyFaultsError, file_name
+from .text import BoundedDiagnostics, TooManyFaultsError
 from .unit_rules import check_densities, check_joint_units, check_magnitudes, check_weights_as_forces
 
 _OF_OWN_STEP = ("parts", "mass", "step_density", "step_encoding")
@@ -142,4 +142,4 @@ def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
         check_ignored(sidecar.root, local)
     except TooManyFaultsError:
         complete = False
-    local.hand_over(found, file_name(sidecar.path), complete=complete)
+    local.hand_over(found, sidecar.path.as_posix(), complete=complete)

@@ -8,9 +8,6 @@ from .document import Document
 from .origins import AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Origin
 from .tree import Keys
 
-_FRAMES = ("assembly",)
-"""What ``relative_to`` may name beside links and components."""
-
 
 class PathPlace(Struct, frozen=True):
     """A component path, and where it stands."""
@@ -31,21 +28,17 @@ def component_paths(document: Document) -> Iterator[PathPlace]:
     for link, section in document.links.items():
         for position, pattern in enumerate(section.parts):
             yield PathPlace(("links", link, "parts", position), pattern, is_one=False)
-    for keys, origin in _origins(document):
+    for keys, origin in origins(document):
         yield from _paths_of_origin(document, keys, origin)
 
 
-def _origins(document: Document) -> Iterator[tuple[Keys, Origin | None]]:
+def origins(document: Document) -> Iterator[tuple[Keys, Origin | None]]:
+    """Every origin of a sidecar, and where it stands."""
     if document.root is not None:
         yield ("root", "frame"), document.root.frame
-    for name, joint in document.joints.items():
-        yield ("joints", name, "origin"), joint.origin
-    for name, closure in document.closures.items():
-        yield ("closures", name, "origin"), closure.origin
-    for name, frame in document.frames.items():
-        yield ("frames", name, "origin"), frame.origin
-    for name, sensor in document.sensors.items():
-        yield ("sensors", name, "origin"), sensor.origin
+    for section in ("joints", "closures", "frames", "sensors"):
+        for name, element in getattr(document, section).items():
+            yield (section, name, "origin"), element.origin
 
 
 def _paths_of_origin(document: Document, keys: Keys, origin: Origin | None) -> Iterator[PathPlace]:
@@ -58,5 +51,5 @@ def _paths_of_origin(document: Document, keys: Keys, origin: Origin | None) -> I
     elif isinstance(origin, MateOrigin):
         for position, pattern in enumerate(origin.mate):
             yield PathPlace((*keys, "mate", position), pattern, is_one=True)
-    elif isinstance(origin, ExplicitOrigin) and origin.relative_to not in (*_FRAMES, *document.links):
+    elif isinstance(origin, ExplicitOrigin) and origin.relative_to not in ("assembly", *document.links):
         yield PathPlace((*keys, "relative_to"), origin.relative_to, is_one=True)

@@ -6,7 +6,7 @@ keys, and expands aliases without a limit. Plain scalars follow the core schema 
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Never
 
 from ruamel.yaml import YAML
@@ -21,10 +21,9 @@ from ruamel.yaml.events import (
     StreamEndEvent,
 )
 
-from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import NOT_TEXT, Diagnostics, Span, did_you_mean
 
-from .text import has_only_text
-from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree, subject
+from .tree import Entry, Listing, Mapping, Scalar, Tree, subject
 
 LARGEST_SIZE = 50_000
 """Maximum number of values after alias expansion."""
@@ -91,11 +90,11 @@ class _Composer:
     def _check_start(self, event: Any, root: Tree | None) -> None:
         if root is not None:
             help = ["remove the `---` or move the second document to its own file: each file describes one robot"]
-            self._add("SB102", "sidecar: second YAML document in one file", self._span(event), help)
+            self._found.add("SB102", "sidecar: second YAML document in one file", self._span(event), help=help)
         elif event.version not in (None, (1, 2), [1, 2]):
             version = ".".join(map(str, event.version))
             help = ["remove the directive: sidecars use YAML 1.2"]
-            self._add("SB110", f"sidecar: unsupported directive %YAML {version}", self._span(event), help)
+            self._found.add("SB110", f"sidecar: unsupported directive %YAML {version}", self._span(event), help=help)
 
     def _value(self, event: Any) -> Tree:
         """The value that starts with ``event``."""
@@ -113,21 +112,15 @@ class _Composer:
         anchor = event.anchor
         if anchor is not None:
             self._anchors[anchor] = None
-        value = self._content(event)
+        value: Tree
+        if isinstance(event, ScalarEvent):
+            value = self._scalar(event)
+        else:
+            value = self._listing(event) if isinstance(event, SequenceStartEvent) else self._mapping(event)
         if not tag_is_known:
             value = Scalar(value.span, "", "", faulty=True)
         if anchor is not None:
             self._anchors[anchor] = value
-        return self._bounded(value, event)
-
-    def _content(self, event: Any) -> Tree:
-        if isinstance(event, ScalarEvent):
-            return self._scalar(event)
-        if isinstance(event, SequenceStartEvent):
-            return self._listing(event)
-        return self._mapping(event)
-
-    def _bounded(self, value: Tree, event: Any) -> Tree:
         if value.size > LARGEST_SIZE:
             self._too_much(event, f"more than {LARGEST_SIZE} values after alias expansion")
         if value.depth > DEEPEST:
@@ -138,7 +131,7 @@ class _Composer:
         span, text = self._span(event), str(event.value)
         if not event.style and event.tag is None:
             return Scalar(span, _core_value(text), text)
-        if not has_only_text(text):
+        if NOT_TEXT.search(text):
             self._fault("SB102", "escape sequence of a control character", span, ["remove it"])
             return Scalar(span, "", "", plain=False, faulty=True)
         return Scalar(span, text, text, plain=False)
@@ -169,7 +162,10 @@ class _Composer:
                 pass
             elif key in entries:
                 self._keys.pop()
-                self._duplicate(key, entries[key].key_span, key_span)
+                first = entries[key].key_span
+                what = f"duplicate key '{key}' (first defined on line {first.line})"
+                help = ["remove or rename one of the keys"]
+                self._fault("SB107", what, key_span, help, [f"first defined at {first}"])
                 continue
             else:
                 entries[key] = Entry(key_span, self._filled(value, key_span))
@@ -201,7 +197,8 @@ class _Composer:
     def _alias(self, event: Any) -> Tree:
         name, span = str(event.anchor), self._span(event)
         if name not in self._anchors:
-            self._unknown_alias(name, span)
+            help = [f'quote paths that start with *: "*{name.rstrip(":")}"', *did_you_mean(name, self._anchors)]
+            self._fault("SB104", f"undefined alias *{name}", span, help)
         elif (value := self._anchors[name]) is None:
             self._fault("SB110", f"anchor '{name}' contains itself", span, ["replace the alias by the value"])
         elif isinstance(value, Scalar):
@@ -210,11 +207,6 @@ class _Composer:
             return value
         return Scalar(span, "", "", faulty=True)
 
-    def _unknown_alias(self, name: str, span: Span) -> None:
-        text = "*" + name
-        help = [f'quote paths that start with *: "{text.rstrip(":")}"', *did_you_mean(name, self._anchors)]
-        self._fault("SB104", f"undefined alias {text}", span, help)
-
     def _merged(self, value: Tree) -> list[Mapping]:
         sources = value.values if isinstance(value, Listing) else [value]
         for source in sources:
@@ -222,16 +214,6 @@ class _Composer:
                 help = ["refer to an anchor on a mapping: `<<: *name`"]
                 self._fault("SB110", "value of the merge key '<<' is not a mapping", source.span, help)
         return [source for source in sources if isinstance(source, Mapping)]
-
-    def _duplicate(self, key: str, first: Span, second: Span) -> None:
-        help = ["remove or rename one of the keys"]
-        self._fault(
-            "SB107",
-            f"duplicate key '{key}' (first defined on line {first.line})",
-            second,
-            help,
-            [f"first defined at {first}"],
-        )
 
     def _filled(self, value: Tree, key_span: Span | None = None) -> Tree:
         """The value, unless it is empty or null, which no key allows."""
@@ -258,15 +240,11 @@ class _Composer:
 
     def _too_much(self, event: Any, message: str) -> Never:
         help = ["use anchors for repeated settings, not for structures that contain each other"]
-        self._add("SB110", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), help)
+        self._found.add("SB110", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), help=help)
         raise TooMuchError
 
-    def _fault(self, code: str, message: str, span: Span, help: list[str], notes: list[str] | None = None) -> None:
-        keys: Keys = tuple(self._keys)
-        self._add(code, f"{subject(keys)}: {message}", span, help, notes)
-
-    def _add(self, code: str, message: str, span: Span, help: list[str], notes: list[str] | None = None) -> None:
-        self._found.add(code, message, span, help=help, notes=notes or [])
+    def _fault(self, code: str, message: str, span: Span, help: Sequence[str], notes: Sequence[str] = ()) -> None:
+        self._found.add(code, f"{subject(tuple(self._keys))}: {message}", span, help=help, notes=notes)
 
     def _span(self, first: Any, last: Any = None) -> Span:
         start, end = first.start_mark, (last or first).end_mark
@@ -292,6 +270,3 @@ def _core_value(text: str) -> str | int | float | bool | None:
     if _INTEGER.fullmatch(text) and len(text) < 19:
         return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
     return float(text) if _FLOAT.fullmatch(text) else text
-
-
-__all__ = ["STAR", "MarkedYAMLError", "TooMuchError", "compose"]

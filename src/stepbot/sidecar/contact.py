@@ -2,15 +2,15 @@
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
-from pydantic import Discriminator, Tag
+from pydantic import Tag
 
 from stepbot.robot.surfaces import PLAIN, Surface
 
 from . import units
 from .quantities import bounded
-from .section import Section
+from .section import MAPPING_OR_WORD, Section
 
 
 class ContactMaterial(StrEnum):
@@ -77,14 +77,8 @@ class ContactSection(Section):
     """Time constant [s] with which a contact pushes shapes apart, for MuJoCo."""
 
 
-def _contact_form(value: Any) -> str:
-    """A mapping, or else a word."""
-    return "<settings>" if isinstance(value, dict | ContactSection) else "<word>"
-
-
 Contact = Annotated[
-    Annotated[ContactMaterial, Tag("<word>")] | Annotated[ContactSection, Tag("<settings>")],
-    Discriminator(_contact_form),
+    Annotated[ContactMaterial, Tag("<word>")] | Annotated[ContactSection, Tag("<mapping>")], MAPPING_OR_WORD
 ]
 """A pair of materials, or properties."""
 

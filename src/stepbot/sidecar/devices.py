@@ -4,7 +4,7 @@ import re
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Tag, WithJsonSchema
+from pydantic import BeforeValidator, Tag, WithJsonSchema
 
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
@@ -27,7 +27,7 @@ from .quantities import (
     fault,
     two,
 )
-from .section import ComponentPath, Reference, Section
+from .section import WORD_OR_MAPPING, ComponentPath, Reference, Section
 
 
 def _count(value: Any) -> int:
@@ -86,14 +86,8 @@ class GainsSection(Section):
     """Damping ratio of a position actuator; 1, the default, is the fastest response that does not overshoot."""
 
 
-def _gains_form(value: Any) -> str:
-    """The word ``auto``, or a mapping."""
-    return "<word>" if isinstance(value, str) else "<gains>"
-
-
 Gains = Annotated[
-    Annotated[Literal["auto"], Tag("<word>")] | Annotated[GainsSection, Tag("<gains>")],
-    Discriminator(_gains_form),
+    Annotated[Literal["auto"], Tag("<word>")] | Annotated[GainsSection, Tag("<mapping>")], WORD_OR_MAPPING
 ]
 """`auto`, or the bandwidth and the damping ratio of computed gains."""
 

@@ -16,11 +16,11 @@ from stepbot.robot.model import Base, JointKind, MeshFormat
 from .contact import Contact
 from .devices import ActuatorSection, Bytes, FrameSection, SensorSection
 from .expected import ExpectSection
-from .ignored import IgnoredFinding, IgnoredFindings
+from .ignored import IgnoredFindings
 from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection, MimicSection
 from .motor_sections import Motors
-from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
+from .origins import Origin
 from .quantities import (
     Angle,
     AxisVector,
@@ -38,18 +38,7 @@ from .quantities import (
 )
 from .section import ComponentPath, MaterialName, Name, Reference, RobotName, Section
 from .settings import Line, LinkPair, MetadataSection, MjcfSection, SelfCollisionSection, SimulationSection, UrdfSection
-from .shapes import (
-    BoxShape,
-    CapsuleShape,
-    Collision,
-    CollisionSettings,
-    CollisionShape,
-    CylinderShape,
-    Derived,
-    MergedCollision,
-    Shape,
-    SphereShape,
-)
+from .shapes import Collision, Derived
 
 
 class MassMode(StrEnum):
@@ -346,52 +335,3 @@ class Composition(Document):
 def document_class(data: dict[str, Any]) -> type[Document]:
     """The class of a document, by its keys."""
     return Composition if data.get("modules") else Document
-
-
-__all__ = [
-    "AutoOrigin",
-    "AxisOrigin",
-    "BoxShape",
-    "CapsuleShape",
-    "CenterOrigin",
-    "ClosureSection",
-    "Collision",
-    "CollisionSettings",
-    "CollisionShape",
-    "Composition",
-    "ComponentOrigin",
-    "ComponentPath",
-    "CylinderShape",
-    "Defaults",
-    "Derived",
-    "Document",
-    "DynamicsSection",
-    "ExplicitOrigin",
-    "IgnoredFinding",
-    "InertiaSection",
-    "InertialSection",
-    "JointDefaults",
-    "JointSection",
-    "LimitsSection",
-    "LinkSection",
-    "MassMode",
-    "MateOrigin",
-    "MaterialSection",
-    "MergedCollision",
-    "MeshSection",
-    "MimicSection",
-    "Name",
-    "Offset",
-    "Origin",
-    "PartRule",
-    "RobotMeshSection",
-    "RobotName",
-    "RootSection",
-    "Section",
-    "SelfCollisionSection",
-    "Shape",
-    "SimulationSection",
-    "SphereShape",
-    "StepDensity",
-    "document_class",
-]

@@ -9,6 +9,8 @@ from msgspec import Struct
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
+from .text import is_number
+
 _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: |REVIEW: )")
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
@@ -240,7 +242,7 @@ def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
         name: tuple(
             DraftedStop(float(found[1]) * _UNITS[found[2]], found[3])
             for stop in _texts(written, _STOP)
-            if (found := _POSITION.match(stop)) and _is_number(found[1])
+            if (found := _POSITION.match(stop)) and is_number(found[1]) and isfinite(float(found[1]))
         )
         for name, written in _drafted(text)
     }
@@ -295,17 +297,9 @@ def _texts(lines: Sequence[str], kind: re.Pattern[str]) -> list[str]:
     texts: list[str] = []
     is_open = False
     for line in lines:
-        found = kind.match(line)
-        if found is not None:
+        if found := kind.match(line):
             texts.append(found[1])
-        elif is_open and _CONTINUED.match(line):
+            is_open = True
+        elif is_open := is_open and _CONTINUED.match(line) is not None:
             texts[-1] += f" {line.lstrip(' #')}"
-        is_open = found is not None or (is_open and _CONTINUED.match(line) is not None)
     return texts
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return isfinite(float(text))
-    except ValueError:
-        return False

@@ -21,9 +21,8 @@ from .document import Document
 from .draft_comments import Rewrite, above, below
 from .load import parse_sidecar
 from .starter import scalar
-from .tree import SECTIONS, Mapping, plain_data
-
-Keys = tuple[str | int, ...]
+from .text import is_number
+from .tree import SECTIONS, Keys, Mapping, plain_data
 
 
 class Put(Struct, frozen=True):
@@ -181,10 +180,8 @@ def _way(root: Node, keys: Keys) -> list[Node]:
 def _child(node: Node, key: str | int) -> Node | None:
     if isinstance(node, MappingNode):
         return next((value for name, value in node.value if name.value == key), None)
-    if isinstance(node, SequenceNode) and isinstance(key, int) and 0 <= key < len(node.value):
-        found: Node = node.value[key]
-        return found
-    return None
+    is_item = isinstance(node, SequenceNode) and isinstance(key, int) and 0 <= key < len(node.value)
+    return node.value[key] if is_item else None
 
 
 def _end(node: Node) -> int:
@@ -333,13 +330,7 @@ def _flow(value: Any) -> str:
 def _is_quantity(text: str) -> bool:
     """Whether a text is a number with a unit, or an axis, which need no quotes: ``-90 deg``, ``-z``."""
     number, _, unit = text.partition(" ")
-    if text in _AXES:
-        return True
-    try:
-        float(number)
-    except ValueError:
-        return False
-    return _UNIT.fullmatch(unit) is not None
+    return text in _AXES or (is_number(number) and _UNIT.fullmatch(unit) is not None)
 
 
 _AXES = frozenset(("x", "y", "z", "-x", "-y", "-z"))

@@ -11,8 +11,9 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import Tag
 
-from .document import Document, Section
+from .document import Document
 from .origins import Origin
+from .section import Section
 
 Loc = tuple[str | int, ...]
 """A place as reported by pydantic: keys, indices, and the tags of unions."""
@@ -32,7 +33,7 @@ def section_classes() -> tuple[type[Section], ...]:
     waiting: list[type[Section]] = [Document]
     while waiting:
         for field in waiting.pop().model_fields.values():
-            new = [section for section in _all_sections(field.annotation) if section not in found]
+            new = [section for section in _sections(field.annotation, of_values=True) if section not in found]
             found.update(dict.fromkeys(new))
             waiting += new
     return tuple(found)
@@ -58,12 +59,13 @@ def is_origin(sections: tuple[type[Section], ...]) -> bool:
 
 def keys_below(sections: tuple[type[Section], ...], key: str) -> tuple[str, ...]:
     """The keys of these sections whose own sections have ``key``."""
-    found = []
-    for section in sections:
-        for name, field in section.model_fields.items():
-            if any(key in inner.model_fields for inner in _sections(field.annotation)):
-                found.append(name)
-    return tuple(dict.fromkeys(found))
+    found = {
+        name: None
+        for section in sections
+        for name, field in section.model_fields.items()
+        if any(key in inner.model_fields for inner in _sections(field.annotation))
+    }
+    return tuple(found)
 
 
 @cache
@@ -96,7 +98,7 @@ def descriptions(section: type[Section]) -> dict[str, str]:
 def _step(annotation: Any, part: str | int) -> Any:
     """The annotation one level down."""
     for member in _members(annotation):
-        if any(isinstance(extra, Tag) and extra.tag == part for extra in _extras(member)):
+        if any(isinstance(extra, Tag) and extra.tag == part for extra in get_args(member)):
             return member
         plain = _plain(member)
         if isinstance(plain, type) and issubclass(plain, Section):
@@ -120,26 +122,14 @@ def _members(annotation: Any) -> Iterator[Any]:
         yield annotation
 
 
-def _sections(annotation: Any) -> Iterator[type[Section]]:
-    for member in _members(annotation):
-        plain = _plain(member)
+def _sections(annotation: Any, *, of_values: bool = False) -> Iterator[type[Section]]:
+    """The sections of a type, and those of its values."""
+    for plain in map(_plain, _members(annotation)):
         if isinstance(plain, type) and issubclass(plain, Section):
             yield plain
-
-
-def _all_sections(annotation: Any) -> Iterator[type[Section]]:
-    """The sections of a type, including those of its values."""
-    for member in _members(annotation):
-        plain = _plain(member)
-        if isinstance(plain, type) and issubclass(plain, Section):
-            yield plain
-        for argument in get_args(plain):
-            yield from _all_sections(argument)
+        for argument in get_args(plain) if of_values else ():
+            yield from _sections(argument, of_values=True)
 
 
 def _plain(annotation: Any) -> Any:
     return get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
-
-
-def _extras(annotation: Any) -> tuple[Any, ...]:
-    return get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()

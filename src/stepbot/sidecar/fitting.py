@@ -14,9 +14,10 @@ from stepbot.robot.motors import Motor
 from stepbot.runtime.file import is_file, is_folder
 
 from .devices import ActuatorSection
-from .document import DynamicsSection, JointDefaults, LimitsSection
+from .document import JointDefaults
 from .joint_settings import ONE_FREEDOM
 from .located import Sidecar
+from .motion import DynamicsSection, LimitsSection
 from .motor_sections import MotorSection, OwnMotors
 from .motors import (
     AmbiguousMotor,
@@ -33,7 +34,7 @@ from .own_part import is_foreign
 from .quantities import JointValue
 from .schema_faults import report_schema_faults
 from .syntax_faults import compose_around_faults
-from .text import file_name, is_text, read_text
+from .text import is_text, read_text
 from .tree import Mapping as TreeMapping
 from .tree import Tree, key_span, plain_data
 
@@ -105,9 +106,9 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
 def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection] | None:
     """The motors of a user's own file, each figure with a source; None if it cannot be read, which is reported."""
     text = read_text(path, found, "write `motors: {NAME: {kind: servo, ...}}`")
-    if text is None or not is_text(text, file_name(path), found):
+    if text is None or not is_text(text, path.as_posix(), found):
         return None
-    composed = compose_around_faults(text, file_name(path), found)
+    composed = compose_around_faults(text, path.as_posix(), found)
     root = composed.tree
     if not isinstance(root, TreeMapping) or tuple(root.entries) != ("motors",):
         if root is not None and composed.whole:

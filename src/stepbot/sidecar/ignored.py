@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field, Tag
 
 from stepbot.diagnostics import Diagnostics, Ignore, did_you_mean
 from stepbot.diagnostics.codes import CODES, current
 
-from .section import Section
-from .tree import Keys, Listing, Mapping, Tree, last_line, subject
+from .section import MAPPING_OR_WORD, Section
+from .tree import Keys, Listing, Mapping, Tree, child, entries_of, last_line, subject, value_at
 
 FindingCode = Annotated[str, Field(max_length=40, json_schema_extra={"pattern": "^SB[0-9]{3}(:[a-z-]+)?$"})]
 """A code of a warning or a note, some with a feature, as in `SB760:armature`; `stepbot explain` lists them."""
@@ -24,14 +24,8 @@ class IgnoredFinding(Section):
     """Why the diagnostic does not matter here."""
 
 
-def _form(value: Any) -> str:
-    """A code alone, or with a reason."""
-    return "<entry>" if isinstance(value, dict | IgnoredFinding) else "<code>"
-
-
 IgnoredFindings = tuple[
-    Annotated[Annotated[FindingCode, Tag("<code>")] | Annotated[IgnoredFinding, Tag("<entry>")], Discriminator(_form)],
-    ...,
+    Annotated[Annotated[FindingCode, Tag("<word>")] | Annotated[IgnoredFinding, Tag("<mapping>")], MAPPING_OR_WORD], ...
 ]
 """Codes, or mappings of code and reason."""
 
@@ -63,7 +57,8 @@ def ignores(root: Tree) -> Iterator[Ignore]:
         if not keys:
             yield Ignore(code, place)
             continue
-        entry = _below(root, keys)
+        entry = value_at(root, keys)
+        assert entry is not None
         pattern = str(keys[1]) if keys[0] == "parts" else ""
         yield Ignore(code, place, subject(keys), entry.span.line, last_line(entry), pattern)
 
@@ -72,18 +67,9 @@ def _entries(root: Tree) -> Iterator[tuple[Keys, str, Any]]:
     """Section, code and place of each entry."""
     sections: list[Keys] = [()]
     for key in _SECTIONS:
-        section = _below(root, (key,))
-        if isinstance(section, Mapping):
-            sections += [(key, name) for name in section.entries]
+        sections += [(key, name) for name in entries_of(child(root, key))]
     for keys in sections:
-        listed = _below(root, (*keys, KEY))
+        listed = value_at(root, (*keys, KEY))
         for value in listed.values if isinstance(listed, Listing) else ():
             code = value.entries["code"].value if isinstance(value, Mapping) and "code" in value.entries else value
             yield keys, getattr(code, "text", ""), code.span
-
-
-def _below(root: Tree, keys: Keys) -> Any:
-    value: Any = root
-    for key in keys:
-        value = value.entries[str(key)].value if isinstance(value, Mapping) and key in value.entries else None
-    return value

@@ -38,16 +38,14 @@ def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
         settings = joint_settings(sidecar.document, name)
         _check_keys(sidecar, name, joint, settings, found)
         if "lower" in settings_of(joint.type):
-            _check_placeholder(sidecar, name, joint, settings, stops, found)
-            _check_limits(sidecar, name, joint, settings, found)
+            _check_limits(sidecar, name, joint, settings, stops, found)
         if joint.type is JointKind.UNIVERSAL and joint.axis2 is not None:
-            _check_second_axis(sidecar, name, joint, found)
+            dot = exact_sum(a * b for a, b in zip(joint.axis, joint.axis2, strict=True))
+            if abs(dot) > 1.0 - 1e-6:
+                message, help = f"joint '{name}': axis and axis2 are parallel", "example: `axis: z` and `axis2: x`"
+                found.add("SB462", message, sidecar.span("joints", name, "axis2"), help=[help])
         if joint.pitch == 0.0:
-            found.add(
-                "SB125",
-                f"joint '{name}': pitch: must not be 0",
-                sidecar.span("joints", name, "pitch"),
-            )
+            found.add("SB125", f"joint '{name}': pitch: must not be 0", sidecar.span("joints", name, "pitch"))
 
 
 def _check_keys(
@@ -75,12 +73,21 @@ def _check_keys(
 
 
 def _check_limits(
-    sidecar: Sidecar, name: str, joint: JointSection, settings: dict[str, Setting], found: Diagnostics
+    sidecar: Sidecar,
+    name: str,
+    joint: JointSection,
+    settings: dict[str, Setting],
+    stops: Callable[[], Mapping[str, tuple[DraftedStop, ...]]],
+    found: Diagnostics,
 ) -> None:
     lower, upper = settings.get("lower"), settings.get("upper")
     who = f"joint '{name}'"
     missing = [field for field in ("lower", "upper") if field not in settings]
-    if joint.limits != "todo" and joint.type.bounded and missing:
+    if joint.limits == "todo" and missing:
+        message = f"{who}: placeholder `limits: todo`: no {' or '.join(missing)} limit"
+        help = _remedies(joint.type, stops().get(name, ()))
+        found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
+    elif joint.type.bounded and missing:
         help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
         if joint.type is JointKind.REVOLUTE:
             help.append("use `type: continuous` for unlimited rotation")
@@ -98,36 +105,16 @@ def _check_limits(
         _check_assembled_position(sidecar, name, joint, lower, upper, found)
 
 
-def _check_placeholder(
-    sidecar: Sidecar,
-    name: str,
-    joint: JointSection,
-    settings: dict[str, Setting],
-    stops: Callable[[], Mapping[str, tuple[DraftedStop, ...]]],
-    found: Diagnostics,
-) -> None:
-    missing = [field for field in ("lower", "upper") if field not in settings]
-    if joint.limits == "todo" and missing:
-        message = f"joint '{name}': placeholder `limits: todo`: no {' or '.join(missing)} limit"
-        help = _remedies(joint.type, stops().get(name, ()))
-        found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
-
-
 def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, found: Diagnostics) -> None:
     low, high = sidecar.written(*lower.keys), sidecar.written(*upper.keys)
     if lower.value == upper.value:
-        message, help = (
-            f"{who}: lower and upper limits are both {low}",
-            ["use `type: fixed` for a joint that does not move"],
-        )
+        message = f"{who}: lower and upper limits are both {low}"
+        help = "use `type: fixed` for a joint that does not move"
     else:
-        message, help = (
-            f"{who}: lower limit {low} is above upper limit {high}",
-            [f"swap the limits: {{lower: {high}, upper: {low}}}"],
-        )
-    found.add(
-        "SB456", message, sidecar.span(*lower.keys), help=help, notes=[f"upper limit at {sidecar.span(*upper.keys)}"]
-    )
+        message = f"{who}: lower limit {low} is above upper limit {high}"
+        help = f"swap the limits: {{lower: {high}, upper: {low}}}"
+    note = f"upper limit at {sidecar.span(*upper.keys)}"
+    found.add("SB456", message, sidecar.span(*lower.keys), help=[help], notes=[note])
 
 
 def _check_assembled_position(
@@ -163,14 +150,6 @@ def positions(values: Iterable[float], dimension: Dimension) -> str:
     """Positions [SI] for a message, in degrees or millimetres: ``-90 to 90 deg``."""
     scale, unit = (180.0 / pi, "deg") if dimension is ANGLE else (1e3, "mm")
     return f"{' to '.join(f'{scale * value:.6g}' for value in values)} {unit}"
-
-
-def _check_second_axis(sidecar: Sidecar, name: str, joint: JointSection, found: Diagnostics) -> None:
-    assert joint.axis2 is not None
-    dot = exact_sum(a * b for a, b in zip(joint.axis, joint.axis2, strict=True))
-    if abs(dot) > 1.0 - 1e-6:
-        message = f"joint '{name}': axis and axis2 are parallel"
-        found.add("SB462", message, sidecar.span("joints", name, "axis2"), help=["example: `axis: z` and `axis2: x`"])
 
 
 def _example(kind: JointKind) -> tuple[str, str]:

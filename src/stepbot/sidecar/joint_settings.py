@@ -15,41 +15,31 @@ from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointDynamics, JointKind, Limit
 
 from . import units
-from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
+from .document import Document, JointDefaults, JointSection
+from .motion import DynamicsSection, LimitsSection
 from .quantities import JointValue
 from .tree import Keys
 
 ONE_FREEDOM = kinds_with(coordinates=1)
 """Types with a single coordinate, which can mimic, be mimicked, be driven, and have a `zero`."""
 
-_TURNING = {
-    "lower": units.ANGLE,
-    "upper": units.ANGLE,
-    "velocity": units.ANGULAR_SPEED,
-    "acceleration": units.ANGULAR_ACCELERATION,
-    "deceleration": units.ANGULAR_ACCELERATION,
-    "jerk": units.ANGULAR_JERK,
-    "effort": units.TORQUE,
-    "damping": units.ANGULAR_DAMPING,
-    "friction": units.TORQUE,
-    "stiffness": units.ANGULAR_STIFFNESS,
-    "spring_reference": units.ANGLE,
-    "armature": units.INERTIA,
+_DIMENSIONS = {
+    "lower": (units.ANGLE, units.LENGTH),
+    "upper": (units.ANGLE, units.LENGTH),
+    "velocity": (units.ANGULAR_SPEED, units.SPEED),
+    "acceleration": (units.ANGULAR_ACCELERATION, units.ACCELERATION),
+    "deceleration": (units.ANGULAR_ACCELERATION, units.ACCELERATION),
+    "jerk": (units.ANGULAR_JERK, units.JERK),
+    "effort": (units.TORQUE, units.FORCE),
+    "damping": (units.ANGULAR_DAMPING, units.LINEAR_DAMPING),
+    "friction": (units.TORQUE, units.FORCE),
+    "stiffness": (units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS),
+    "spring_reference": (units.ANGLE, units.LENGTH),
+    "armature": (units.INERTIA, units.MASS),
 }
-_SLIDING = {
-    "lower": units.LENGTH,
-    "upper": units.LENGTH,
-    "velocity": units.SPEED,
-    "acceleration": units.ACCELERATION,
-    "deceleration": units.ACCELERATION,
-    "jerk": units.JERK,
-    "effort": units.FORCE,
-    "damping": units.LINEAR_DAMPING,
-    "friction": units.FORCE,
-    "stiffness": units.LINEAR_STIFFNESS,
-    "spring_reference": units.LENGTH,
-    "armature": units.MASS,
-}
+"""Of each field, for a joint that turns and one that slides."""
+_TURNING = {field: turning for field, (turning, _) in _DIMENSIONS.items()}
+_SLIDING = {field: sliding for field, (_, sliding) in _DIMENSIONS.items()}
 _SHARED = {
     field: dimension
     for field, dimension in _TURNING.items()

@@ -20,9 +20,9 @@ from .document import Document, document_class
 from .fitting import with_motors
 from .located import NO_MOTORS, OwnMotors, Sidecar
 from .quantities import described
-from .schema_faults import report_schema_faults
+from .schema_faults import place_of, report_schema_faults
 from .syntax_faults import Composed, compose_around_faults
-from .text import BoundedDiagnostics, TooManyFaultsError, file_name, is_text, read_text
+from .text import BoundedDiagnostics, TooManyFaultsError, is_text, read_text
 from .tree import Keys, Mapping, Scalar, Tree, child, key_span, plain_data, subject
 
 
@@ -57,14 +57,14 @@ def parse_sidecar(
         sidecar = _parsed(text, path, local, variant, module, motors)
     except TooManyFaultsError:
         complete = False
-    local.hand_over(found, file_name(path), complete=complete)
+    local.hand_over(found, path.as_posix(), complete=complete)
     return None if local.has_errors else sidecar
 
 
 def _parsed(
     text: str, path: Path, found: Diagnostics, variant: str, module: Tree | None, motors: OwnMotors
 ) -> Sidecar | None:
-    file = file_name(path)
+    file = path.as_posix()
     if not is_text(text, file, found):
         return None
     try:
@@ -183,12 +183,7 @@ _STANDS_ALONE = (
 
 
 def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, found: Diagnostics) -> None:
-    """Check the parts of a document that are not affected by schema errors.
-
-    Args:
-        faults: The places of the schema errors.
-        path: The user's path of the file.
-    """
+    """Check the parts of a document that are not affected by the schema errors at the places ``faults``."""
     data = plain_data(root, shared=False)
     cuts: list[Keys] = []
     for _ in range(_ROUNDS):
@@ -202,7 +197,7 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
         try:
             document = document_class(data).model_validate(data)
         except ValidationError as failure:
-            faults = [_without_tags(error["loc"], data) for error in failure.errors(include_url=False)]
+            faults = [place_of(error["loc"], root) for error in failure.errors(include_url=False)]
         else:
             break
     else:
@@ -219,7 +214,8 @@ def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:
         is_about_cut = diagnostic.message.startswith(subject(cut[:2]) + ":")
         if is_about_cut and (diagnostic.code not in _STANDS_ALONE or {"origin", "frame"} & set(cut[1:])):
             return True
-        if cut[0] == "actuators" and cut[-1] == "kind" and _is_on_one_joint_with(str(cut[1]), diagnostic):
+        is_of_kind = cut[0] == "actuators" and cut[-1] == "kind" and diagnostic.code == "SB459"
+        if is_of_kind and f"(first is '{cut[1]}')" in diagnostic.message:  # a duplicate of the one without its kind
             return True
         if cut[0] in ("joints", "joint_defaults") and diagnostic.code in _FOLLOWS_FROM_POSITION:
             return True
@@ -227,11 +223,6 @@ def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:
         if is_whole and diagnostic.code in _consequences(str(cut[0])):
             return True
     return False
-
-
-def _is_on_one_joint_with(actuator: str, diagnostic: Diagnostic) -> bool:
-    """Whether a diagnostic is a duplicate of an actuator whose invalid kind was removed."""
-    return diagnostic.code == "SB459" and f"(first is '{actuator}')" in diagnostic.message
 
 
 def _consequences(section: str) -> tuple[str, ...]:
@@ -256,14 +247,3 @@ def _cut(data: dict[str, Any], keys: Keys) -> Keys:
         return _cut(data, keys[:-1]) if len(keys) > 1 else ()
     del above[keys[-1]]
     return keys
-
-
-def _without_tags(loc: tuple[str | int, ...], data: Any) -> Keys:
-    keys: list[str | int] = []
-    for part in loc:
-        inside = (isinstance(data, dict) and part in data) or (isinstance(data, list) and isinstance(part, int))
-        if not inside and isinstance(part, str) and part[:1] + part[-1:] in ("<>", "[]"):
-            continue
-        keys.append(part)
-        data = data[part] if inside and (isinstance(data, dict) or len(data) > int(part)) else None
-    return tuple(keys)

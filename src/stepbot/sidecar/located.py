@@ -12,7 +12,7 @@ from stepbot.robot.motors import Motor
 
 from .document import Document
 from .motor_sections import MotorSection
-from .tree import Keys, Listing, Scalar, Tree, key_span, span, way
+from .tree import Keys, Listing, Scalar, Tree, key_span, span, value_at, way
 
 OwnMotors = Mapping[str, MotorSection]
 """A user's motors by name, beside those of the catalogue."""
@@ -82,9 +82,8 @@ class Sidecar(Struct, frozen=True):
         return float(value.value)
 
     def _scalar(self, keys: Keys) -> Scalar | None:
-        values = way(self.root, keys)
-        value = values[-1]
-        return value if isinstance(value, Scalar) and len(values) == len(keys) + 1 else None
+        value = value_at(self.root, keys)
+        return value if isinstance(value, Scalar) else None
 
 
 def _cut_at_commas(line: str, value: Scalar) -> str:

@@ -1,8 +1,8 @@
 """Limits, passive forces and coupling of a joint."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Discriminator, Tag
+from pydantic import Tag
 
 from .quantities import (
     JointAcceleration,
@@ -18,7 +18,7 @@ from .quantities import (
     JointValue,
     Multiplier,
 )
-from .section import Reference, Section
+from .section import WORD_OR_MAPPING, Reference, Section
 
 
 class LimitsSection(Section):
@@ -40,14 +40,8 @@ class LimitsSection(Section):
     """Maximum rate of change of the acceleration [rad/s^3 or m/s^3], for URDF 1.2 and MoveIt."""
 
 
-def _limits_form(value: Any) -> str:
-    """The word ``todo``, or a mapping."""
-    return "<word>" if isinstance(value, str) else "<limits>"
-
-
 JointLimits = Annotated[
-    Annotated[Literal["todo"], Tag("<word>")] | Annotated[LimitsSection, Tag("<limits>")],
-    Discriminator(_limits_form),
+    Annotated[Literal["todo"], Tag("<word>")] | Annotated[LimitsSection, Tag("<mapping>")], WORD_OR_MAPPING
 ]
 """The limits of a joint, or `todo` if they are not known yet."""
 

@@ -11,12 +11,12 @@ from functools import partial
 from typing import Annotated, Any, Literal, NamedTuple
 
 from msgspec import Struct
-from pydantic import Discriminator, Field, PlainValidator, Tag, WithJsonSchema
+from pydantic import Field, PlainValidator, Tag, WithJsonSchema
 from pydantic_core import CoreSchema, core_schema
 
 from . import units
 from .quantities import described, fault, quantity
-from .section import Name, Section
+from .section import WORD_OR_MAPPING, Name, Section
 from .units import Dimension
 
 
@@ -273,15 +273,9 @@ class MotorSection(Section):
         }
 
 
-def _motors_form(value: Any) -> str:
-    """The path of a file, or a mapping."""
-    return "<file>" if isinstance(value, str) else "<motors>"
-
-
 MotorFile = Annotated[str, Field(min_length=1, max_length=4000, pattern=r"\.(yaml|yml|json)$")]
 Motors = Annotated[
-    Annotated[MotorFile, Tag("<file>")] | Annotated[dict[Name, MotorSection], Tag("<motors>")],
-    Discriminator(_motors_form),
+    Annotated[MotorFile, Tag("<word>")] | Annotated[dict[Name, MotorSection], Tag("<mapping>")], WORD_OR_MAPPING
 ]
 """The path of a file of motors, relative to the sidecar, or motors by name."""
 

@@ -11,8 +11,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import TypeAdapter
-
 from stepbot.robot.model import ActuatorKind, JointKind
 from stepbot.robot.motors import Motor, MotorFigure
 
@@ -40,11 +38,7 @@ _REACHED = 0.95
 
 
 class UnknownMotor(ValueError):
-    """No motor has this name.
-
-    Attributes:
-        nearest: Similar names.
-    """
+    """No motor has this name; ``nearest`` are similar ones."""
 
     def __init__(self, name: str, nearest: tuple[str, ...]) -> None:
         self.nearest = nearest
@@ -52,11 +46,7 @@ class UnknownMotor(ValueError):
 
 
 class AmbiguousMotor(ValueError):
-    """Several motors share this name.
-
-    Attributes:
-        members: Their names.
-    """
+    """Several motors, the ``members``, share this name."""
 
     def __init__(self, name: str, members: tuple[str, ...]) -> None:
         self.members = members
@@ -91,12 +81,7 @@ def catalogue_motor(name: str) -> MotorSection:
     Raises:
         KeyError: There is none.
     """
-    return _reader().validate_python(_catalogue()[name])
-
-
-@cache
-def _reader() -> TypeAdapter[MotorSection]:
-    return TypeAdapter(MotorSection)
+    return MotorSection.model_validate(_catalogue()[name])
 
 
 def at_other_supplies(one: Found) -> Iterator[str]:
@@ -120,10 +105,7 @@ def bare(name: str) -> str:
 
 
 def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
-    """A motor by any of its names; a user's own motors first.
-
-    Args:
-        name: Its name, in any case, with any separators or none.
+    """A motor by any of its names, in any case, with any separators or none; a user's own motors first.
 
     Raises:
         AmbiguousMotor: It is the name of a family.

@@ -94,7 +94,6 @@ FORMS = ("component", "center", "axis_of", "mate", "auto")
 _EXPLICIT = ("xyz", "rpy", "relative_to")
 
 
-# Tags are distinguishable from keys, since pydantic puts both into the location of an error.
 def _origin_form(value: Any) -> str:
     """The form of an origin, determined by its keys; `auto` if only an offset, a radius or a point is given."""
     if isinstance(value, dict):

@@ -7,10 +7,10 @@ from msgspec.structs import replace
 
 from stepbot.robot.model import JointKind
 
-from .document import CollisionSettings, CollisionShape, Document, JointSection
+from .document import Document, JointSection
 from .located import Sidecar
 from .origins import ExplicitOrigin
-from .shapes import CollisionTarget, is_for_mjx
+from .shapes import CollisionSettings, CollisionShape, CollisionTarget, is_for_mjx
 
 TIE = "/"
 """Start of the names of joints that :func:`own_part` adds; names of a sidecar cannot contain it."""

@@ -131,38 +131,21 @@ def finite(
     return parse
 
 
-def _joint_value(
-    *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float = -math.inf
-) -> Callable[[Any], JointValue]:
-    """Parser of a value with one of several dimensions, stored for the check against the joint's type.
+def _listed(value: Any, count: int, expected: str) -> Any:
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise fault("SB122", f"expected {expected}, not {described(value)}")
+    if len(value) != count:
+        raise fault("SB122", f"expected {expected}, not {len(value)}")
+    return value
 
-    ``above`` excludes limits of 0, which formats and engines interpret as unlimited.
-    """
 
-    def parse(value: Any) -> JointValue:
-        number = quantity(value, *dimensions)
-        if finite and not math.isfinite(number):
-            raise fault("SB125", f"{number:g} is not finite")
-        if math.isfinite(number) and abs(number) > GREATEST:
-            raise fault("SB125", f"{number:g} exceeds the maximum of {GREATEST:g}")
-        if number < low:
-            raise fault("SB125", f"{number:g} is out of range: {dimensions[0].name} must be at least {low:g}")
-        if number <= above and math.isfinite(above):
-            hint = "remove the key for an unlimited value"
-            raise fault(
-                "SB125", f"{number:g} is out of range: {dimensions[0].name} must be greater than {above:g}", hint
-            )
-        return number
-
-    return parse
+def two(value: Any) -> Any:
+    """The value, if it is a list of two; else SB122."""
+    return _listed(value, 2, "two values [first, second]")
 
 
 def _three(value: Any) -> Any:
-    if isinstance(value, str) or not isinstance(value, Sequence):
-        raise fault("SB122", f"expected three values [x, y, z], not {described(value)}")
-    if len(value) != 3:
-        raise fault("SB122", f"expected three values [x, y, z], not {len(value)}")
-    return value
+    return _listed(value, 3, "three values [x, y, z]")
 
 
 _AXES: dict[str, Vector3] = {
@@ -225,19 +208,6 @@ def _tolerance(value: Any) -> ToleranceValue:
     return ToleranceValue(0.0, finite(units.LENGTH, low=_FINEST)(value))
 
 
-def two(value: Any) -> Any:
-    """The value, if it is a list of two.
-
-    Raises:
-        PydanticCustomError: It is not.
-    """
-    if isinstance(value, str) or not isinstance(value, Sequence):
-        raise fault("SB122", f"expected two values [first, second], not {described(value)}")
-    if len(value) != 2:
-        raise fault("SB122", f"expected two values [first, second], not {len(value)}")
-    return value
-
-
 def _distance(value: Any) -> float:
     """A length that is not negative; may be infinite."""
     number = float(quantity(value, units.LENGTH))
@@ -259,9 +229,26 @@ def bounded(
 def _joint_quantity(
     *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float = -math.inf
 ) -> tuple[PlainValidator, WithJsonSchema]:
-    """What pydantic needs for a number of a joint, with the bounds of :func:`_joint_value`."""
-    parser = _joint_value(*dimensions, finite=finite, low=low, above=above)
-    return PlainValidator(parser), quantity_schema(*dimensions, low=low, above=above)
+    """What pydantic needs for a number with one of several dimensions, stored for the check against the joint's type.
+
+    ``above`` excludes limits of 0, which formats and engines interpret as unlimited.
+    """
+    name = dimensions[0].name
+
+    def parse(value: Any) -> JointValue:
+        number = quantity(value, *dimensions)
+        if finite and not math.isfinite(number):
+            raise fault("SB125", f"{number:g} is not finite")
+        if math.isfinite(number) and abs(number) > GREATEST:
+            raise fault("SB125", f"{number:g} exceeds the maximum of {GREATEST:g}")
+        if number < low:
+            raise fault("SB125", f"{number:g} is out of range: {name} must be at least {low:g}")
+        if number <= above and math.isfinite(above):
+            message = f"{number:g} is out of range: {name} must be greater than {above:g}"
+            raise fault("SB125", message, "remove the key for an unlimited value")
+        return number
+
+    return PlainValidator(parse), quantity_schema(*dimensions, low=low, above=above)
 
 
 Length = Annotated[float, *bounded(units.LENGTH, above=0.0)]

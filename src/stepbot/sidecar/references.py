@@ -1,23 +1,27 @@
 """Check names and the references to them: reserved and duplicate names, links, joints and materials."""
 
 import unicodedata
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from fnmatch import fnmatchcase
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.robot.mesh_names import is_device, portable_name
 from stepbot.robot.sensors import SensorKind
 
+from .component_paths import origins
 from .devices import SensorSection
-from .document import AutoOrigin, Document, Origin
+from .document import Document
 from .located import Sidecar
+from .origins import AutoOrigin
 from .remedies import quoted
-from .tree import Keys, subject
+from .tree import ELEMENTS, Keys, subject
 
 _MOST_LISTED = 12
 
 _WITH_PATH = ("joints", "closures", "root", "defaults", "excluded_contacts")
 """Sections with several references in one element."""
+_SHARED = ("links", "joints", "closures", "frames")
+"""Sections that share one namespace in SDFormat."""
 _USERS = ("joints", "closures", "frames", "sensors")
 """Sections whose elements may be left over when a link is removed."""
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
@@ -29,14 +33,8 @@ def check_references(sidecar: Sidecar, found: Diagnostics) -> None:
     document = sidecar.document
     _check_links(sidecar, found)
     _check_pairs(sidecar, found)
-    for name, joint in document.joints.items():
-        if joint.mimic is not None:
-            _check_joint(sidecar, ("joints", name, "mimic", "joint"), joint.mimic.joint, found)
-    for name, actuator in document.actuators.items():
-        _check_joint(sidecar, ("actuators", name, "joint"), actuator.joint, found)
+    _check_joints(sidecar, found)
     for name, sensor in document.sensors.items():
-        if sensor.joint is not None:
-            _check_joint(sidecar, ("sensors", name, "joint"), sensor.joint, found)
         _check_sensor(sidecar, name, sensor, found)
     _check_materials(sidecar, found)
     _check_patterns(sidecar, found)
@@ -44,18 +42,34 @@ def check_references(sidecar: Sidecar, found: Diagnostics) -> None:
     _check_origins(sidecar, found)
 
 
+def link_references(document: Document) -> Iterator[tuple[Keys, str | None]]:
+    """Keys and names of all references to links, other than in origins."""
+    if document.root is not None:
+        yield ("root", "link"), document.root.link
+    for name, joint in document.joints.items():
+        yield ("joints", name, "parent"), joint.parent
+        yield ("joints", name, "child"), joint.child
+    for name, closure in document.closures.items():
+        yield ("closures", name, "link_a"), closure.link_a
+        yield ("closures", name, "link_b"), closure.link_b
+    for index, pair in enumerate(document.excluded_contacts):
+        yield from ((("excluded_contacts", index, side), link) for side, link in enumerate(pair))
+    yield from ((("frames", name, "link"), frame.link) for name, frame in document.frames.items())
+    yield from ((("sensors", name, "link"), sensor.link) for name, sensor in document.sensors.items())
+
+
+def joint_references(document: Document) -> Iterator[tuple[Keys, str | None]]:
+    """Keys and names of all references to joints."""
+    for name, joint in document.joints.items():
+        if joint.mimic is not None:
+            yield ("joints", name, "mimic", "joint"), joint.mimic.joint
+    yield from ((("actuators", name, "joint"), one.joint) for name, one in document.actuators.items())
+    yield from ((("sensors", name, "joint"), one.joint) for name, one in document.sensors.items())
+
+
 def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
     document = sidecar.document
-    named: list[tuple[Keys, str | None]] = [(("root", "link"), document.root.link)] if document.root else []
-    for name, joint in document.joints.items():
-        named += [(("joints", name, "parent"), joint.parent), (("joints", name, "child"), joint.child)]
-    for name, closure in document.closures.items():
-        named += [(("closures", name, "link_a"), closure.link_a), (("closures", name, "link_b"), closure.link_b)]
-    for index, pair in enumerate(document.excluded_contacts):
-        named += [(("excluded_contacts", index, side), link) for side, link in enumerate(pair)]
-    named += [(("frames", name, "link"), frame.link) for name, frame in document.frames.items()]
-    named += [(("sensors", name, "link"), sensor.link) for name, sensor in document.sensors.items()]
-    for keys, link in named:
+    for keys, link in link_references(document):
         if link is None or link in document.links:
             continue
         help = _candidates(link, [name for name in document.links if name != _other_end(keys, document)], "links")
@@ -92,10 +106,13 @@ def _check_pairs(sidecar: Sidecar, found: Diagnostics) -> None:
         found.add("SB146", f"{subject(keys)}: {what}", sidecar.span(*keys), help=["remove the pair"])
 
 
-def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -> None:
-    if joint not in sidecar.document.joints:
-        help = _candidates(joint, sidecar.document.joints, "joints")
-        if joint in sidecar.document.closures:
+def _check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
+    document = sidecar.document
+    for keys, joint in joint_references(document):
+        if joint is None or joint in document.joints:
+            continue
+        help = _candidates(joint, document.joints, "joints")
+        if joint in document.closures:
             help = ("it is a closure; only joints of the tree can be referenced",)
         elif not sidecar.written(*keys):
             help = ("without `joint`, an actuator drives the joint of its own name", *help)
@@ -104,7 +121,7 @@ def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -
 
 def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
     keys = ("sensors", name)
-    help = _sensor_place(sensor.type)
+    help = f"set `joint`{', or `link`' * (sensor.type in _ON_LINKS)}" if sensor.type in _ON_JOINTS else "set `link`"
     if sensor.link is None and sensor.joint is None:
         message = "neither `link` nor `joint` is set"
     elif sensor.link is not None and sensor.joint is not None:
@@ -118,12 +135,6 @@ def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Dia
     else:
         return
     found.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[help])
-
-
-def _sensor_place(kind: SensorKind) -> str:
-    if kind in _ON_JOINTS:
-        return "set `joint`" + (", or `link`" if kind in _ON_LINKS else "")
-    return "set `link`"
 
 
 def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -152,27 +163,16 @@ def _check_rest(sidecar: Sidecar, found: Diagnostics) -> None:
     for name in taking[1:]:
         message = f"link '{name}': link '{taking[0]}' already has `rest: true`"
         notes = [f"first defined at {sidecar.key_span('links', taking[0], 'rest')}"]
-        found.add(
-            "SB134",
-            message,
-            sidecar.key_span("links", name, "rest"),
-            help=["keep `rest: true` on one link"],
-            notes=notes,
-        )
+        place = sidecar.key_span("links", name, "rest")
+        found.add("SB134", message, place, help=["keep `rest: true` on one link"], notes=notes)
 
 
 def _check_origins(sidecar: Sidecar, found: Diagnostics) -> None:
-    for keys, origin in _origins_of_one_link(sidecar.document):
-        if origin == "auto" or isinstance(origin, AutoOrigin):
+    for keys, origin in origins(sidecar.document):
+        if keys[0] not in ("joints", "closures") and (origin == "auto" or isinstance(origin, AutoOrigin)):
             message = f"{subject(keys)}: `auto` requires two links"
             help = ['use {axis_of: "..."}, {center: "..."}, {component: "..."} or {xyz: [...]}']
             found.add("SB128", message, sidecar.span(*keys), help=help)
-
-
-def _origins_of_one_link(document: Document) -> list[tuple[Keys, Origin | None]]:
-    origins: list[tuple[Keys, Origin | None]] = [(("root", "frame"), document.root.frame)] if document.root else []
-    origins += [(("frames", name, "origin"), frame.origin) for name, frame in document.frames.items()]
-    return origins + [(("sensors", name, "origin"), sensor.origin) for name, sensor in document.sensors.items()]
 
 
 def _user(keys: Keys) -> str:
@@ -208,7 +208,7 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
             found.add("SB129", f"{what}: {not_portable(name)}", place, help=[f"rename it to '{portable}'"])
 
     first: dict[str, Named] = {}
-    for section, name in _shared_names(sidecar.document):
+    for section, name in _names(sidecar.document, _SHARED):
         if name in first:
             place = sidecar.key_span(*first[name])
             message = f"{subject((section, name))}: duplicate name (also used by {subject(first[name])})"
@@ -235,7 +235,7 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
         found.add("SB126", f"robot: {reason}", sidecar.span("robot"))
     else:
         report_unportable(robot, "robot", f"robot '{robot}'", sidecar.span("robot"))
-    for section, name in _all_names(sidecar.document):
+    for section, name in _names(sidecar.document):
         if reason := _reserved(section, name):
             found.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
         else:
@@ -243,21 +243,8 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
             report_unportable(name, section.removesuffix("s"), subject((section, name)), place)
 
 
-def _shared_names(document: Document) -> Iterator[Named]:
-    """Sections that share one namespace in SDFormat."""
-    for section, names in (
-        ("links", document.links),
-        ("joints", document.joints),
-        ("closures", document.closures),
-        ("frames", document.frames),
-    ):
-        yield from ((section, name) for name in names)
-
-
-def _all_names(document: Document) -> Iterator[Named]:
-    yield from _shared_names(document)
-    yield from (("actuators", name) for name in document.actuators)
-    yield from (("sensors", name) for name in document.sensors)
+def _names(document: Document, sections: Iterable[str] = ELEMENTS) -> Iterator[Named]:
+    return ((section, name) for section in sections for name in getattr(document, section))
 
 
 def _reserved(section: str, name: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from stepbot.robot.model import ActuatorKind
 
+from .text import is_number
 from .tree import Keys, Listing, Mapping, Scalar, Tree
 
 _NUMBERS = re.compile(r"[\s,;]+")
@@ -58,7 +59,7 @@ def _triple(value: Tree, name: str) -> str:
     if not isinstance(only, Scalar) or name not in _POINT:
         return ""
     numbers = _NUMBERS.split(only.text.strip("[]() "))
-    return f"[{', '.join(numbers)}]" if len(numbers) == 3 and all(map(_is_number, numbers)) else ""
+    return f"[{', '.join(numbers)}]" if len(numbers) == 3 and all(map(is_number, numbers)) else ""
 
 
 def _for_list(keys: Keys, name: str, value: Listing) -> str:
@@ -98,11 +99,3 @@ def _for_text(keys: Keys, name: str, value: Scalar) -> str:
     if keys[0] == "actuators" and value.text in list(ActuatorKind):
         meant = "kind"
     return f"write `{name}: {{{meant}: {written(value)}}}`" if meant else ""
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -39,6 +39,7 @@ class _Fault(Struct, frozen=True):
     message: str
     """Without its subject."""
     help: tuple[str, ...] = ()
+    """Empty texts are left out."""
     of_key: bool = False
     """Whether the position is that of the key, not of its value."""
     above: bool = False
@@ -53,7 +54,7 @@ def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, foun
     """
     places = []
     for error in failure.errors(include_url=False):
-        keys = _keys(error["loc"], root)
+        keys = place_of(error["loc"], root)
         places.append(keys)
         if way(root, keys)[-1].faulty or (not whole and error["type"] == "missing" and len(keys) < 2):
             continue
@@ -62,12 +63,12 @@ def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, foun
             continue
         told_of = keys[:-1] if fault.above else keys
         place = key_span(root, keys) if fault.of_key else span(root, keys)
-        found.add(fault.code, f"{subject(told_of)}: {fault.message}", place, help=fault.help)
+        found.add(fault.code, f"{subject(told_of)}: {fault.message}", place, help=[*filter(None, fault.help)])
     return places
 
 
-def _keys(loc: Iterable[str | int], root: Tree) -> Keys:
-    """The position given by pydantic, without the tags of unions."""
+def place_of(loc: Iterable[str | int], root: Tree) -> Keys:
+    """The place of an error as given by pydantic, without the tags of unions."""
     keys: list[str | int] = []
     value: Tree | None = root
     for part in loc:
@@ -88,7 +89,7 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
         snippet = remedy(keys, value) if kind in ("SB122", "SB123") else ""
         if not snippet and context["text"].startswith(("expected a number", "expected an integer")):
             snippet = _one_of_list(keys, value)
-        return _Fault(kind, context["text"], (*filter(None, [snippet]), *context["help"]))
+        return _Fault(kind, context["text"], (snippet, *context["help"]))
     if kind == "extra_forbidden":
         return _unknown_key(error["loc"], keys, root)
     if kind == "missing":
@@ -101,7 +102,9 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
         return _shape_without_type(value)
     if kind in ("too_short", "too_long"):
         return _wrong_count(keys, value)
-    return _wrong_type(kind, keys, value, error)
+    if kind not in _TYPES:
+        return _Fault("SB122", error["msg"][:1].lower() + error["msg"][1:])
+    return _Fault("SB122", f"expected {_TYPES[kind]}, not {_shown(value)}", (_type_hint(kind, keys, value),))
 
 
 def _unknown_key(loc: tuple[str | int, ...], place: Keys, root: Tree) -> _Fault:
@@ -125,7 +128,7 @@ def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[st
     in_section = bool(below) and isinstance(value, Scalar)  # `material: pla` belongs to `defaults`, not `materials`
     if (meant := meant_by(key, keys)) and not in_section:
         snippet = remedy((*place[:-1], meant), value) if isinstance(value, Listing) else ""
-        return [f"did you mean '{meant}'?", *([snippet] if snippet else [])]
+        return [f"did you mean '{meant}'?", snippet]
     if key in NOT_SAID_SO:
         return [NOT_SAID_SO[key]]
     if below:
@@ -178,9 +181,8 @@ def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Key
     characters = NOT_IN_FILE_NAMES if keys == ("robot",) else "" if names_material else NOT_IN_NAMES
     wrong = [f"'{c}'" if c.isprintable() else f"U+{ord(c):04X}" for c in text if c in characters or not c.isprintable()]
     if not wrong:
-        return _Fault(
-            "SB126", f"'{text}' starts or ends with a dot, which is not allowed in file names", (allowed,), of_key
-        )
+        message = f"'{text}' starts or ends with a dot, which is not allowed in file names"
+        return _Fault("SB126", message, (allowed,), of_key)
     has = " and ".join(dict.fromkeys(wrong))
     why = "which is not allowed in file names" if keys == ("robot",) else "which is not supported by all formats"
     return _Fault("SB126", f"'{text}' contains {has}, {why}", (allowed,), of_key)
@@ -189,13 +191,13 @@ def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Key
 def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
     if keys[-1] in ("origin", "frame"):
         form = "'auto' or a mapping such as {axis_of: \"...\"}"
-        return _Fault("SB123", f"expected {form}, not {_shown(value)}", _auto_hint(keys, value))
+        help = did_you_mean(value.text, ["auto"]) if isinstance(value, Scalar) else (remedy(keys, value),)
+        return _Fault("SB123", f"expected {form}, not {_shown(value)}", help)
     if keys[-1] == "limits":
         help = ("write {lower: ..., upper: ...}, or `todo` as a placeholder",)
         return _Fault("SB123", f"expected a mapping or `todo`, not {_shown(value)}", help)
     if keys[:-1] == ("self_collision", "exclude"):
-        help = (_KINDS_OF_PAIRS,)
-        return _Fault("SB123", f"expected one of {_words(error)}, not {_shown(value)}", help)
+        return _Fault("SB123", f"expected one of {_words(error)}, not {_shown(value)}", (_KINDS_OF_PAIRS,))
     if not isinstance(value, Scalar):
         help = (_one_of_list(keys, value) or f"choices: {_words(error)}",)
         return _Fault("SB122", f"expected one of {_words(error)}, not {_shown(value)}", help)
@@ -211,18 +213,11 @@ def _words(error: ErrorDetails) -> str:
     return str(error.get("ctx", {}).get("expected", "")).replace(" or ", ", ")
 
 
-def _auto_hint(keys: Keys, value: Tree) -> tuple[str, ...]:
-    if isinstance(value, Scalar):
-        return did_you_mean(value.text, ["auto"])
-    return tuple(filter(None, [remedy(keys, value)]))
-
-
 def _shape_without_type(value: Tree) -> _Fault:
     shapes = "box, cylinder, sphere, capsule"
     if not isinstance(value, Mapping):
-        return _Fault(
-            "SB122", f"expected a mapping with `type`, not {_shown(value)}", (f"choices for `type`: {shapes}",)
-        )
+        message = f"expected a mapping with `type`, not {_shown(value)}"
+        return _Fault("SB122", message, (f"choices for `type`: {shapes}",))
     if "type" not in value.entries:
         return _Fault("SB121", "key 'type' is missing", (f"type: one of {shapes}",), of_key=True)
     kind = value.entries["type"].value
@@ -252,32 +247,25 @@ _TYPES = {
 }
 
 
-def _wrong_type(kind: str, keys: Keys, value: Tree, error: ErrorDetails) -> _Fault:
-    if kind not in _TYPES:
-        return _Fault("SB122", error["msg"][:1].lower() + error["msg"][1:])
-    return _Fault("SB122", f"expected {_TYPES[kind]}, not {_shown(value)}", _type_hint(kind, keys, value))
-
-
-def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
+def _type_hint(kind: str, keys: Keys, value: Tree) -> str:
+    """Remedy for a value of another type; empty without any."""
     if keys == ("self_collision", "exclude"):
-        return (_KINDS_OF_PAIRS,)
-    if snippet := remedy(keys, value):
-        return (snippet,)
-    if kind == "string_type" and (snippet := _one_of_list(keys, value)):
-        return (snippet,)
+        return _KINDS_OF_PAIRS
+    if snippet := remedy(keys, value) or (_one_of_list(keys, value) if kind == "string_type" else ""):
+        return snippet
     if isinstance(value, Scalar):
         if kind == "string_type":
-            return (f'quote the value: "{value.text}"',)
+            return f'quote the value: "{value.text}"'
         if kind == "bool_type" and value.text.lower() in ("yes", "no", "on", "off", "y", "n"):
-            return ("YAML 1.2 booleans are true and false",)
+            return "YAML 1.2 booleans are true and false"
         if kind == "tuple_type":
-            return (f'write a list: ["{value.text}"]',)
+            return f'write a list: ["{value.text}"]'
         if kind != "bool_type" and value.plain and ":" in value.text:
-            return ("add a space after the colon: `key: value`",)
+            return "add a space after the colon: `key: value`"
     if "dict" in kind or "model" in kind:
         names = len(keys) < 2 or kind == "dict_type"
-        return ("write `name: {key: value}` for each",) if names else ("write `key: value` lines, or {key: value}",)
-    return ()
+        return "write `name: {key: value}` for each" if names else "write `key: value` lines, or {key: value}"
+    return ""
 
 
 def _one_of_list(keys: Keys, value: Tree) -> str:

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field
 
 
 def _name_pattern(excluded: str, at_ends: str) -> str:
@@ -38,3 +38,10 @@ class Section(BaseModel):
 
     # Deferred: only the document as a whole is validated, and building a validator per section takes longer.
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
+
+
+# Tags of unions are distinguishable from keys, since pydantic puts both into the location of an error.
+WORD_OR_MAPPING = Discriminator(lambda value: "<word>" if isinstance(value, str) else "<mapping>")
+"""Of a union whose members have these tags: what is no word is read as a mapping."""
+MAPPING_OR_WORD = Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Section) else "<word>")
+"""The same, and what is no mapping is read as a word."""

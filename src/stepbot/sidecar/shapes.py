@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, Tag
 from .contact import Contact
 from .origins import Offset
 from .quantities import Length, SizeVector
-from .section import Section
+from .section import MAPPING_OR_WORD, Section
 
 
 class CollisionShape(StrEnum):
@@ -136,14 +136,8 @@ def _collision_form(value: Any) -> str:
     return "<list>" if isinstance(value, list | tuple) else "<word>"
 
 
-def _derived_form(value: Any) -> str:
-    """A mapping, or else a word."""
-    return "<settings>" if isinstance(value, dict | CollisionSettings) else "<word>"
-
-
 Derived = Annotated[
-    Annotated[CollisionShape, Tag("<word>")] | Annotated[CollisionSettings, Tag("<settings>")],
-    Discriminator(_derived_form),
+    Annotated[CollisionShape, Tag("<word>")] | Annotated[CollisionSettings, Tag("<mapping>")], MAPPING_OR_WORD
 ]
 """Collision geometry derived from components."""
 

@@ -93,12 +93,9 @@ _TAB_BETWEEN = re.compile(r"[^'\"#\t{\[]*[^'\"#\s{\[] *(\t+)")
 
 
 def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagnostics) -> set[int]:
-    """Report tabs used as indentation, replace them by spaces, and return their lines.
+    """Report tabs used as indentation (SB104), replace them by spaces in ``lines``, and return their lines.
 
-    Args:
-        lines: The text; changed in place.
-        mark: The tab that the parser rejected.
-        found: Receives SB104 for each line.
+    ``mark`` is the tab that the parser rejected.
     """
     tabbed = set()
     for number, line in enumerate(lines):

@@ -15,9 +15,13 @@ LARGEST_FILE = 1 << 22
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
-def file_name(path: Path) -> str:
-    """The path as given, with forward slashes."""
-    return path.as_posix()
+def is_number(text: str) -> bool:
+    """Whether Python reads a text as a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def read_text(
@@ -25,12 +29,9 @@ def read_text(
 ) -> str | None:
     """The text of a file with line feeds at line ends, or None if it cannot be read.
 
-    Reports SB001 not found, SB102 too large, SB102 not UTF-8, SB102 empty, SB102 a STEP file instead of a sidecar.
-
-    Args:
-        start: The remedy of an empty file.
+    Reports SB001 not found, SB102 too large, not UTF-8, empty (with the remedy ``start``), or a STEP file.
     """
-    whole = Span(file_name(path))
+    whole = Span(path.as_posix())
     try:
         with open_regular(path) as stream:
             content = stream.read(LARGEST_FILE + 1)
@@ -74,23 +75,9 @@ def is_text(text: str, file: str, found: Diagnostics) -> bool:
     match = NOT_TEXT.search(text)
     if match is not None:
         place = _place(file, text[: match.start()])
-        found.add(
-            "SB102",
-            f"sidecar: control character {character(match[0])}",
-            place,
-            help=["remove it; save the file as UTF-8"],
-        )
+        message = f"sidecar: control character U+{ord(match[0]):04X}"
+        found.add("SB102", message, place, help=["remove it; save the file as UTF-8"])
     return match is None
-
-
-def has_only_text(text: str) -> bool:
-    """Whether an unescaped value has no control characters."""
-    return NOT_TEXT.search(text) is None
-
-
-def character(c: str) -> str:
-    """The code point of a control character."""
-    return f"U+{ord(c):04X}"
 
 
 def _place(file: str, before: str) -> Span:
@@ -124,11 +111,7 @@ _COMMON = ("cp1250", "cp1251", "cp1252", "gbk", "gb18030", "cp932", "big5", "cp9
 
 
 class UnknownCodePage(ValueError):
-    """No code page has this name, or it is not a superset of ASCII.
-
-    Attributes:
-        hints: Suggestions.
-    """
+    """No code page has this name, or it is not a superset of ASCII; ``hints`` are suggestions."""
 
     def __init__(self, message: str, *hints: str) -> None:
         self.hints = hints
@@ -165,11 +148,7 @@ class TooManyFaultsError(Exception):
 
 
 class BoundedDiagnostics(Diagnostics):
-    """Collects diagnostics, up to :data:`MOST_FAULTS` errors.
-
-    Raises:
-        TooManyFaultsError: One more error was added.
-    """
+    """Collects diagnostics, up to :data:`MOST_FAULTS` errors; one more raises :class:`TooManyFaultsError`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -193,9 +172,5 @@ class BoundedDiagnostics(Diagnostics):
         found.extend(sorted(shown, key=lambda d: (d.span.line, d.span.column, d.code)))
         if not complete:
             help = ["correct these errors first"]
-            found.add(
-                "SB110",
-                f"sidecar: more than {MOST_FAULTS} errors; the remaining ones are not shown",
-                Span(file),
-                help=help,
-            )
+            message = f"sidecar: more than {MOST_FAULTS} errors; the remaining ones are not shown"
+            found.add("SB110", message, Span(file), help=help)

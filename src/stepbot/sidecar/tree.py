@@ -1,7 +1,7 @@
 """A YAML file as a tree of values with their positions, and the subjects of messages: ``joint 'elbow': limits``."""
 
+from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as MappingType
-from collections.abc import Sequence
 from typing import Any
 
 from msgspec import Struct
@@ -65,12 +65,10 @@ Tree = Scalar | Listing | Mapping
 
 def child(tree: Tree, key: str | int) -> Tree | None:
     """The value at a key or index, or None."""
-    if isinstance(tree, Mapping) and isinstance(key, str):
-        entry = tree.entries.get(key)
-        return entry.value if entry is not None else None
-    if isinstance(tree, Listing) and isinstance(key, int) and 0 <= key < len(tree.values):
-        return tree.values[key]
-    return None
+    if isinstance(tree, Listing):
+        return tree.values[key] if isinstance(key, int) and 0 <= key < len(tree.values) else None
+    entry = entries_of(tree).get(key) if isinstance(key, str) else None
+    return entry.value if entry is not None else None
 
 
 def way(root: Tree, keys: Keys) -> list[Tree]:
@@ -82,6 +80,17 @@ def way(root: Tree, keys: Keys) -> list[Tree]:
             break
         values.append(value)
     return values
+
+
+def entries_of(tree: Tree | None) -> MappingType[str, Entry]:
+    """The entries of a mapping; none of anything else."""
+    return tree.entries if isinstance(tree, Mapping) else {}
+
+
+def value_at(root: Tree, keys: Keys) -> Tree | None:
+    """The value at ``keys``, or None."""
+    values = way(root, keys)
+    return values[-1] if len(values) == len(keys) + 1 else None
 
 
 def key_span(root: Tree, keys: Keys) -> Span:
@@ -96,8 +105,20 @@ def key_span(root: Tree, keys: Keys) -> Span:
 
 def span(root: Tree, keys: Keys) -> Span:
     """The span of the value at ``keys``, or of the nearest existing key above it."""
-    values = way(root, keys)
-    return values[-1].span if len(values) == len(keys) + 1 else key_span(root, keys)
+    value = value_at(root, keys)
+    return value.span if value is not None else key_span(root, keys)
+
+
+def scalars(tree: Tree, keys: Keys = ()) -> Iterator[tuple[Keys, Scalar]]:
+    """Every single value at and below ``keys``, where ``tree`` is, with its place."""
+    if isinstance(tree, Scalar):
+        yield keys, tree
+    elif isinstance(tree, Listing):
+        for index, value in enumerate(tree.values):
+            yield from scalars(value, (*keys, index))
+    else:
+        for key, entry in tree.entries.items():
+            yield from scalars(entry.value, (*keys, key))
 
 
 def last_line(tree: Tree) -> int:

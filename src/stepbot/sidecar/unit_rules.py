@@ -11,7 +11,7 @@ from stepbot.robot.model import JointKind
 
 from .joint_settings import joint_settings, position_dimension, settings_of
 from .located import Sidecar
-from .tree import Keys, Listing, Mapping, Scalar, Tree, subject
+from .tree import Keys, scalars, subject
 from .units import ANGLE, DENSITY, FORCE, LENGTH, PITCH, RATIO, TORQUE, TURNS, Dimension, UnitError, read_quantity
 
 _SUSPICIOUS = 3
@@ -103,13 +103,9 @@ def _report_default(sidecar: Sidecar, several: Sequence[_Unit], found: Diagnosti
     key = first.keys[-1]
     message = f"{subject(first.keys[:2])}: {key}: '{sidecar.written(*first.keys)}' is not {needed}, required for "
     names = ", ".join(f"'{unit.joint}'" for unit in several)
-    found.add(
-        "SB138",
-        f"{message}{len(several)} {kinds} joints",
-        sidecar.span(*first.keys),
-        help=[f"set `{key}` on these joints themselves, or in a default of their own above this one"],
-        notes=[f"joints: {names}"],
-    )
+    message += f"{len(several)} {kinds} joints"
+    help = [f"set `{key}` on these joints themselves, or in a default of their own above this one"]
+    found.add("SB138", message, sidecar.span(*first.keys), help=help, notes=[f"joints: {names}"])
 
 
 def check_unit(
@@ -179,7 +175,10 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
         if driven is not None:
             _check_rate(sidecar, driven.type, ("actuators", name, "limits", "velocity"), found)
             _check_rate(sidecar, driven.type, ("actuators", name, "limits", "effort"), found)
-    for keys, number in _plain_numbers(sidecar.root, ()):
+    for keys, scalar in scalars(sidecar.root):
+        number = scalar.value
+        if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
+            continue
         named = [key for key in keys if isinstance(key, str)]
         if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
             _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
@@ -195,8 +194,9 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
 
 def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report SB140 for torques with a unit of mass, as in data sheets of servos: ``20 kg.cm``."""
-    for keys, text in _texts(sidecar.root, ()):
-        if not isinstance(keys[-1], str) or keys[-1] not in _EFFORTS:
+    for keys, scalar in scalars(sidecar.root):
+        text = scalar.value
+        if not isinstance(text, str) or keys[-1] not in _EFFORTS:
             continue
         try:
             quantity = read_quantity(text, TORQUE, FORCE)
@@ -210,7 +210,7 @@ def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
 
 def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report SB521 for densities outside the range of all materials, such as 2700 g/cm^3."""
-    for keys, scalar in _scalars(sidecar.root, ()):
+    for keys, scalar in scalars(sidecar.root):
         if keys[-1] != "density" or isinstance(scalar.value, bool) or scalar.value is None:
             continue
         try:
@@ -271,28 +271,3 @@ def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, fo
 
 def _turns(radians: float) -> str:
     return f"{abs(radians) / tau:.1f} turns"
-
-
-def _plain_numbers(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, float]]:
-    """Every value at and below a place that is written as a plain number."""
-    for place, scalar in _scalars(tree, keys):
-        if isinstance(scalar.value, int | float) and not isinstance(scalar.value, bool) and isfinite(scalar.value):
-            yield place, float(scalar.value)
-
-
-def _texts(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, str]]:
-    """Every value at and below a place that is written as a string."""
-    for place, scalar in _scalars(tree, keys):
-        if isinstance(scalar.value, str):
-            yield place, scalar.value
-
-
-def _scalars(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, Scalar]]:
-    if isinstance(tree, Scalar):
-        yield keys, tree
-    elif isinstance(tree, Listing):
-        for index, value in enumerate(tree.values):
-            yield from _scalars(value, (*keys, index))
-    elif isinstance(tree, Mapping):
-        for key, entry in tree.entries.items():
-            yield from _scalars(entry.value, (*keys, key))

@@ -76,11 +76,7 @@ class Quantity(NamedTuple):
 
 
 class UnitError(ValueError):
-    """A string is not a quantity of the expected dimension.
-
-    Attributes:
-        hints: Suggestions.
-    """
+    """A string is not a quantity of the expected dimension; ``hints`` are suggestions."""
 
     def __init__(self, message: str, hints: tuple[str, ...] = ()) -> None:
         self.hints = hints
@@ -105,7 +101,7 @@ def read_quantity(text: str, *dimensions: Dimension) -> Quantity:
         if unit.powers in dimension.powers:
             return Quantity(_scaled(match["number"], unit), dimension)
     if unit.powers == _MASS_TIMES_LENGTH and TORQUE in dimensions:  # the notation of torques in data sheets of servos
-        weight = UnitOfMeasure(unit.scale * _G0, unit.turns, _TORQUE_POWERS)
+        weight = UnitOfMeasure(unit.scale * _G0, unit.turns, TORQUE.powers[0])
         return Quantity(_scaled(match["number"], weight), TORQUE, f"{match['number']} {_with_forces(match['unit'])}")
     message = f"wrong unit '{match['unit']}': expected {described(*dimensions)}"
     raise UnitError(message, _dimension_hints(match["number"], match["unit"], unit, dimensions))
@@ -119,12 +115,6 @@ def described(*dimensions: Dimension) -> str:
     return " or ".join(f"{name} {' or '.join(units)}" for name, units in units_of.items())
 
 
-_LENGTH_POWERS: Powers = (0, 1, 0, 0)
-_MASS_POWERS: Powers = (1, 0, 0, 0)
-_TIME_POWERS: Powers = (0, 0, 1, 0)
-_ANGLE_POWERS: Powers = (0, 0, 0, 1)
-_FORCE_POWERS: Powers = (1, 1, -2, 0)
-_TORQUE_POWERS: Powers = (1, 2, -2, 0)
 _MASS_TIMES_LENGTH: Powers = (1, 1, 0, 0)
 
 _INCH = Fraction("0.0254")
@@ -133,51 +123,51 @@ _G0 = Fraction("9.80665")
 """Standard gravity [m/s^2], which converts a kilogram or a pound to a force."""
 
 
-def _unit(scale: Fraction | str | int, powers: Powers, turns: int = 0) -> UnitOfMeasure:
-    return UnitOfMeasure(Fraction(scale), turns, powers)
+def _unit(scale: Fraction | str | int, dimension: Dimension, turns: int = 0) -> UnitOfMeasure:
+    return UnitOfMeasure(Fraction(scale), turns, dimension.powers[0])
 
 
-_DEGREE = _unit("1/360", _ANGLE_POWERS, 1)
+_DEGREE = _unit("1/360", ANGLE, 1)
 
 UNITS: dict[str, UnitOfMeasure] = {
-    "m": _unit(1, _LENGTH_POWERS),
-    "km": _unit(1000, _LENGTH_POWERS),
-    "dm": _unit("1e-1", _LENGTH_POWERS),
-    "cm": _unit("1e-2", _LENGTH_POWERS),
-    "mm": _unit("1e-3", _LENGTH_POWERS),
-    "um": _unit("1e-6", _LENGTH_POWERS),
-    "\N{MICRO SIGN}m": _unit("1e-6", _LENGTH_POWERS),
-    "nm": _unit("1e-9", _LENGTH_POWERS),
-    "in": _unit(_INCH, _LENGTH_POWERS),
-    "inch": _unit(_INCH, _LENGTH_POWERS),
-    "ft": _unit(12 * _INCH, _LENGTH_POWERS),
-    "t": _unit(1000, _MASS_POWERS),
-    "kg": _unit(1, _MASS_POWERS),
-    "g": _unit("1e-3", _MASS_POWERS),
-    "mg": _unit("1e-6", _MASS_POWERS),
-    "lb": _unit(_POUND, _MASS_POWERS),
-    "oz": _unit(_POUND / 16, _MASS_POWERS),
-    "s": _unit(1, _TIME_POWERS),
-    "ms": _unit("1e-3", _TIME_POWERS),
-    "min": _unit(60, _TIME_POWERS),
-    "rad": _unit(1, _ANGLE_POWERS),
-    "mrad": _unit("1e-3", _ANGLE_POWERS),
+    "m": _unit(1, LENGTH),
+    "km": _unit(1000, LENGTH),
+    "dm": _unit("1e-1", LENGTH),
+    "cm": _unit("1e-2", LENGTH),
+    "mm": _unit("1e-3", LENGTH),
+    "um": _unit("1e-6", LENGTH),
+    "\N{MICRO SIGN}m": _unit("1e-6", LENGTH),
+    "nm": _unit("1e-9", LENGTH),
+    "in": _unit(_INCH, LENGTH),
+    "inch": _unit(_INCH, LENGTH),
+    "ft": _unit(12 * _INCH, LENGTH),
+    "t": _unit(1000, MASS),
+    "kg": _unit(1, MASS),
+    "g": _unit("1e-3", MASS),
+    "mg": _unit("1e-6", MASS),
+    "lb": _unit(_POUND, MASS),
+    "oz": _unit(_POUND / 16, MASS),
+    "s": _unit(1, TIME),
+    "ms": _unit("1e-3", TIME),
+    "min": _unit(60, TIME),
+    "rad": _unit(1, ANGLE),
+    "mrad": _unit("1e-3", ANGLE),
     "deg": _DEGREE,
     "\N{DEGREE SIGN}": _DEGREE,
-    "rev": _unit(1, _ANGLE_POWERS, 1),
-    "rpm": _unit("1/60", (0, 0, -1, 1), 1),
-    "Hz": _unit(1, (0, 0, -1, 0)),
-    "kHz": _unit(1000, (0, 0, -1, 0)),
-    "N": _unit(1, _FORCE_POWERS),
-    "kN": _unit(1000, _FORCE_POWERS),
-    "mN": _unit("1e-3", _FORCE_POWERS),
-    "lbf": _unit(_POUND * _G0, _FORCE_POWERS),
-    "ozf": _unit(_POUND / 16 * _G0, _FORCE_POWERS),
-    "kgf": _unit(_G0, _FORCE_POWERS),
-    "gf": _unit(_G0 / 1000, _FORCE_POWERS),
-    "Nm": _unit(1, _TORQUE_POWERS),
-    "mNm": _unit("1e-3", _TORQUE_POWERS),
-    "%": _unit("1e-2", (0, 0, 0, 0)),
+    "rev": _unit(1, ANGLE, 1),
+    "rpm": _unit("1/60", ANGULAR_SPEED, 1),
+    "Hz": _unit(1, FREQUENCY),
+    "kHz": _unit(1000, FREQUENCY),
+    "N": _unit(1, FORCE),
+    "kN": _unit(1000, FORCE),
+    "mN": _unit("1e-3", FORCE),
+    "lbf": _unit(_POUND * _G0, FORCE),
+    "ozf": _unit(_POUND / 16 * _G0, FORCE),
+    "kgf": _unit(_G0, FORCE),
+    "gf": _unit(_G0 / 1000, FORCE),
+    "Nm": _unit(1, TORQUE),
+    "mNm": _unit("1e-3", TORQUE),
+    "%": _unit("1e-2", RATIO),
 }
 """Every unit by its symbol."""
 
@@ -293,7 +283,7 @@ def _dimension_hints(number: str, text: str, unit: UnitOfMeasure, dimensions: tu
     if text == "nm":  # nm is a nanometre, not a torque
         return ("did you mean 'N*m'?",)
     hints = []
-    if unit.powers == _MASS_POWERS and text in _FORCE_OF:
+    if unit.powers == MASS.powers[0] and text in _FORCE_OF:
         force, arm = _FORCE_OF[text], "in" if text in ("oz", "lb") else "cm"
         if TORQUE in dimensions:
             hints.append(
@@ -338,11 +328,7 @@ HEX_COLOR = {"type": "string", "pattern": "^#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0
 
 
 def quantity_schema(
-    *dimensions: Dimension,
-    word: str = "",
-    low: float = -math.inf,
-    above: float = -math.inf,
-    high: float = math.inf,
+    *dimensions: Dimension, word: str = "", low: float = -math.inf, above: float = -math.inf, high: float = math.inf
 ) -> WithJsonSchema:
     """A quantity: a number in SI units, within finite bounds, or a string with the unit; or one word, if given."""
     examples = [dimension.example for dimension in dimensions]

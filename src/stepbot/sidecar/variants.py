@@ -11,7 +11,7 @@ from ruamel.yaml.error import YAMLError
 from stepbot.diagnostics import Diagnostics, did_you_mean
 
 from .compose import TooMuchError, compose
-from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, span, way
+from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, entries_of, span, way
 
 _NAMED = (*ELEMENTS, "modules")
 """Sections whose members `without` and `set` name."""
@@ -30,8 +30,7 @@ def variant_names(text: str) -> tuple[str, ...]:
         root = compose(text, "", Diagnostics())
     except (YAMLError, TooMuchError):
         return ()
-    variants = child(root, "variants") if root is not None else None
-    return tuple(variants.entries) if isinstance(variants, Mapping) else ()
+    return tuple(entries_of(child(root, "variants"))) if root is not None else ()
 
 
 def merged(base: Tree, patch: Tree) -> Tree:
@@ -100,17 +99,14 @@ def with_variant(root: Mapping, name: str, found: Diagnostics, module: Tree | No
 def unknown_elements(root: Tree, patch: Tree) -> Iterator[tuple[tuple[str, str], tuple[str, ...]]]:
     """The elements of a patch that the sidecar does not have, each with the names that it has in this section."""
     for section in _NAMED:
-        there, wanted = child(root, section), child(patch, section)
-        known = tuple(there.entries) if isinstance(there, Mapping) else ()
-        for name in wanted.entries if isinstance(wanted, Mapping) else ():
-            if name not in known:
-                yield (section, name), known
+        known = tuple(entries_of(child(root, section)))
+        yield from (((section, name), known) for name in entries_of(child(patch, section)) if name not in known)
 
 
 def _patches(root: Mapping, name: str, found: Diagnostics, module: Tree | None) -> list[Mapping] | None:
     """The patches of a variant in the order in which they are merged: first that of the one that it is like."""
     variants = child(root, "variants")
-    known = tuple(variants.entries) if isinstance(variants, Mapping) else ()
+    known = tuple(entries_of(variants))
     patches: list[Mapping] = []
     chain: list[str] = []
     keys: Keys = ("variants",)
@@ -223,14 +219,11 @@ class _Left:
 
 
 def _names(root: Mapping, section: str) -> set[str]:
-    members = child(root, section)
-    return set(members.entries) if isinstance(members, Mapping) else set()
+    return set(entries_of(child(root, section)))
 
 
 def _members(root: Mapping, section: str) -> Iterator[tuple[str, Tree]]:
-    members = child(root, section)
-    if isinstance(members, Mapping):
-        yield from ((name, entry.value) for name, entry in members.entries.items())
+    return ((name, entry.value) for name, entry in entries_of(child(root, section)).items())
 
 
 def _text(tree: Tree, key: str) -> str:

@@ -13,9 +13,9 @@ from stepbot.robot.sensors import SensorKind
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.compose import compose
 from stepbot.sidecar.contact import MATERIALS, ContactMaterial
-from stepbot.sidecar.document import CollisionShape
 from stepbot.sidecar.fields import key_of, section_classes
 from stepbot.sidecar.load import parse_sidecar
+from stepbot.sidecar.shapes import CollisionShape
 from stepbot.sidecar.tree import plain_data
 from stepbot.sidecar.units import UNITS
 from stepbot.sidecar.variants import variant_names

@@ -9,17 +9,10 @@ from hypothesis import strategies as st
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.model import ActuatorKind, Base, JointKind
-from stepbot.sidecar.document import (
-    AxisOrigin,
-    BoxShape,
-    CollisionShape,
-    ExplicitOrigin,
-    MateOrigin,
-    MergedCollision,
-    SphereShape,
-)
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.origins import AxisOrigin, ExplicitOrigin, MateOrigin
+from stepbot.sidecar.shapes import BoxShape, CollisionShape, MergedCollision, SphereShape
 from tests.unit.sidecar.samples import FULL
 
 

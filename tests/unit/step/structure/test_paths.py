@@ -4,7 +4,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from stepbot.sidecar.text import has_only_text
+from stepbot.diagnostics import NOT_TEXT
 from stepbot.step.assembly import Component
 from stepbot.step.structure.naming import NamedComponent, assign_paths
 from stepbot.step.structure.paths import ComponentPaths, escape, nearest_claim, plain_name, quoted
@@ -224,7 +224,7 @@ def test_escaped_names_bind_to_themselves(names: list[str]) -> None:
     components = [Component(0, -1, "", ".", "", "", 1)]
     for i, name in enumerate(plain, start=1):
         components.append(Component(i, 0, escape(name), escape(name), name, "", 1))
-        assert has_only_text(escape(name))
+        assert NOT_TEXT.search(escape(name)) is None
     paths = ComponentPaths(components)
     for i, _ in enumerate(plain, start=1):
         assert paths.find_one(components[i].path).indices == (i,)
