@@ -129,7 +129,6 @@ def test_unchanged_input_loads_little(arguments: list[str], converted: Path, mon
         "stepbot.pipeline",
         "stepbot.pipeline.conversion",
         "stepbot.report",
-        "stepbot.report.summary",
         "stepbot.revisions",
         "stepbot.step",
         "stepbot.step.exchange",

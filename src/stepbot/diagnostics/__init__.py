@@ -201,6 +201,11 @@ def one_line(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
+def counted(number: int, singular: str, plural: str = "") -> str:
+    """``1 link``, ``2 links``, ``2 axes`` where ``plural`` is given."""
+    return f"{number} {singular if number == 1 else plural or singular + 's'}"
+
+
 def listed(names: Sequence[str], most: int) -> str:
     """The first names, quoted, and the number of the others: ``'a', 'b' and 3 more``."""
     shown = ", ".join(f"'{name}'" for name in names[:most])

@@ -31,12 +31,7 @@ def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
 
 
 def without_lists(named: Iterable[Path], found: Diagnostics) -> Iterator[Path]:
-    """The sidecars and folders of a list of paths, with what lists name in place of the lists.
-
-    Args:
-        named: Sidecars, folders, or lists.
-        found: Receives SB001 for an unreadable list.
-    """
+    """The sidecars and folders of a list of paths, with what lists name in place of the lists (SB001: unreadable)."""
     waiting, read = list(named)[::-1], set[Path]()
     while waiting:
         path = waiting.pop()

@@ -11,6 +11,7 @@ from importlib import import_module, metadata
 from importlib.util import find_spec
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines import engines
 from stepbot.engines.engine import Engine
@@ -67,23 +68,21 @@ class Item(Struct, frozen=True):
 
 def examine(cache: Cache) -> Iterator[Item]:
     """Everything that stepbot uses; each package is imported in a process of its own."""
-    yield _python()
+    where = f"{platform.system()} {platform.machine()}"
+    yield Item("python", "Python", OK, f"{platform.python_version()} on {where}", f"stepbot {__version__}")
     with ExitStack() as running:
         asked: list[tuple[Item, Callable[[], str]]] = []
         kernel = Item("kernel", "geometry kernel", OK, _version(_KERNEL), "reads STEP files", f"pip install {_KERNEL}")
         if find_spec("OCP") is None:
-            yield _absent(kernel, PROBLEM)
+            yield replace(kernel, state=PROBLEM, detail="not installed")
         else:
             asked.append((kernel, _importing(running, "OCP.STEPControl")))
         for engine in sorted(engines(), key=lambda one: one.order):
             item = _engine(engine)
-            if item.state == OK:
-                asked.append((item, _importing(running, f"{engine.package}.observer")))
-            else:
-                asked.append((item, str))
+            is_there = item.state == OK
+            asked.append((item, _importing(running, f"{engine.package}.observer") if is_there else str))
         for item, error in asked:
-            text = error() if item.state == OK else ""
-            yield _broken(item, text) if text else item
+            yield _broken(item, text) if (text := error()) else item
     yield from _extras()
     yield from _of_machine(cache)
 
@@ -111,11 +110,6 @@ def _importing(running: ExitStack, module: str) -> Callable[[], str]:
             return str(failure).splitlines()[0]
 
     return error
-
-
-def _python() -> Item:
-    where = f"{platform.system()} {platform.machine()}"
-    return Item("python", "Python", OK, f"{platform.python_version()} on {where}", f"stepbot {__version__}")
 
 
 def _engine(engine: Engine) -> Item:
@@ -171,16 +165,12 @@ def _open_files() -> int | None:
     return resource.getrlimit(resource.RLIMIT_NOFILE)[0]
 
 
-def _absent(item: Item, state: str) -> Item:
-    return Item(item.area, item.name, state, "not installed", item.purpose, item.fix)
-
-
 def _broken(item: Item, error: str) -> Item:
     """An item that is installed and cannot be imported, with the package of a missing library as the remedy."""
     library = re.search(r"(lib[\w+.-]+\.so[.\d]*)", error)
     package = _PACKAGES.get(library[1], "") if library else ""
     fix = f"apt-get install {package}" if package else item.fix
-    return Item(item.area, item.name, PROBLEM, error, item.purpose, fix)
+    return replace(item, state=PROBLEM, detail=error, fix=fix)
 
 
 def _version(distribution: str) -> str:

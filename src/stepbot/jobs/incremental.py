@@ -83,7 +83,10 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     """Convert one sidecar or load the cached result, without writing files."""
     record = recorded(sidecar, options)
     if record is not None:
-        return _conversion_of(record)
+        found = Diagnostics()
+        found.extend(record.diagnostics)
+        found.add_ignored(record.ignored)
+        return Conversion(found, None, record.files, record.results, hashes=record.hashes)
     before = _content(sidecar, options)
     lock = file_digest(lock_path(sidecar, options.variant))
     from stepbot.pipeline.prestart import started_kernel, started_server
@@ -185,13 +188,6 @@ def _rows() -> "Codec[tuple[JointRow, ...]]":
     from stepbot.robot.joint_table import JointRow
 
     return codec_of(tuple[JointRow, ...])
-
-
-def _conversion_of(record: Record) -> Conversion:
-    found = Diagnostics()
-    found.extend(record.diagnostics)
-    found.add_ignored(record.ignored)
-    return Conversion(found, None, record.files, record.results, hashes=record.hashes)
 
 
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:

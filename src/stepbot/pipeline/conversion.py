@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
-from stepbot.report.summary import Summary
+from stepbot.report import Summary
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.file import exists
 from stepbot.runtime.memory import DEFAULT_TIMEOUT

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from stepbot.engines import engine_of, engines
 from stepbot.formats import FORMATS
 from stepbot.geometry.fixed_point import exact_sum
+from stepbot.report import Summary
 from stepbot.report.results import Check, Results, Status
-from stepbot.report.summary import Summary
 from stepbot.report.words import mass_words, weak_joints
 from stepbot.robot.closures import degrees_of_freedom
 from stepbot.robot.model import Robot

@@ -31,11 +31,7 @@ def _not_serializable(value: Any) -> Any:
 
 
 def indented(document: Any, default: Callable[[Any], Any] = _not_serializable) -> str:
-    """The text that :func:`json.dumps` returns for an indentation of two spaces and ``ensure_ascii=False``.
-
-    Args:
-        document: JSON data; the keys of objects are strings.
-        default: JSON data in place of any other object.
+    """The text of :func:`json.dumps` for an indentation of two spaces and ``ensure_ascii=False``; keys are strings.
 
     Raises:
         TypeError: An object cannot be written as JSON, and ``default`` is not given.

@@ -1,11 +1,9 @@
 """A robot as JSON data, for ``report.json``, and back: everything but shapes and sensors."""
 
 from collections.abc import Mapping
-from math import isfinite
 from typing import Any, TypeVar
 
 from msgspec import Struct
-from msgspec.structs import asdict
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
@@ -13,36 +11,33 @@ from stepbot.geometry.spatial import tidy
 from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
-from stepbot.robot.model import Actuator, Base, Frame, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
-from stepbot.robot.motors import Motor
+from stepbot.robot.model import Actuator, Base, Frame, Joint, JointKind, Link, LoopClosure, Module, Robot
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
-from stepbot.robot.self_collision import PairContact, SelfCollision
+from stepbot.robot.self_collision import SelfCollision
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.tuning import Tuning
 
-from .plain import picked, unpicked
+from .plain import Json, picked, unpicked
 from .results import Check, Content, LinkCollision, Results, Row, SimplifiedVisuals, Status, WrittenFile
 
 T = TypeVar("T")
-Json = dict[str, Any]
 MASS = "mass com inertia"
 FRAME = "name link pose=X_LF source"
 JOINT = "name kind parent child pose=X_PC axis axis2 pitch limits=limit dynamics mimic drawn_position"
 CLOSURE = "name kind link_a pose_a=X_AF link_b pose_b=X_BF axis"
 ACTUATOR = "name joint kind kp kv gear computed=tuning limits=limit motor"
 TUNING = "bandwidth damping_ratio inertia weight stiffened braked"
+LIMITS = "lower upper velocity effort"
+MOTOR = "name part figures unknown doubts"
 """Keys of the objects of the robot, for :func:`.plain.picked`."""
 
 
 def self_collision_document(found: SelfCollision) -> Json:
     """All pairs with their evidence: number of poses, depth [m] and joint positions [rad] or [m] of the first one."""
-    return picked(found, "samples exclude pairs", pairs=[_pair(pair) for pair in found.pairs])
-
-
-def _pair(pair: PairContact) -> Json:
     keys = "links class=kind contacts first depth pose"
-    return picked(pair, keys, links=[pair.link_a, pair.link_b], pose=dict(pair.pose))
+    pairs = [picked(one, keys, links=[one.link_a, one.link_b], pose=dict(one.pose)) for one in found.pairs]
+    return picked(found, "samples exclude pairs", pairs=pairs)
 
 
 __all__ = [
@@ -85,11 +80,6 @@ class Report(Results, frozen=True):
     bodies: tuple[MeasuredBody, ...] = ()
     initial_penetrations: tuple[tuple[str, str], ...] = ()
     """Pairs of links without whose contacts a simulation would not have diverged."""
-
-
-def number(value: float | None) -> float | None:
-    """The number; null if it is NaN or infinite."""
-    return float(value) if value is not None and isfinite(value) else None
 
 
 def robot_document(report: Report, robot: Robot) -> Json:
@@ -169,24 +159,14 @@ def _joint(joint: Joint) -> Json:
         unused["axis2"] = None
     if joint.kind is not JointKind.SCREW:
         unused["pitch"] = None
-    dynamics = {name: float(value) for name, value in asdict(joint.dynamics).items()}
-    return picked(joint, JOINT, limits=_limits(joint.limit), dynamics=dynamics, **unused)
-
-
-def _limits(limit: Limit) -> Json:
-    return {name: number(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")}
+    return picked(joint, JOINT, limits=picked(joint.limit, LIMITS), **unused)
 
 
 def _actuator(actuator: Actuator) -> Json:
     """An actuator: what computed gains were asked for and follow from, and what its motor gives."""
     computed = None if actuator.tuning is None else picked(actuator.tuning, TUNING)
-    motor = None if actuator.motor is None else _motor(actuator.motor)
-    return picked(actuator, ACTUATOR, computed=computed, limits=_limits(actuator.limit), motor=motor)
-
-
-def _motor(motor: Motor) -> Json:
-    """The motor and each figure that it gives, with its source; where the sidecar sets another one, that applies."""
-    return picked(motor, "name part figures unknown doubts", part=motor.part or None)
+    motor = actuator.motor and picked(actuator.motor, MOTOR, part=actuator.motor.part or None)
+    return picked(actuator, ACTUATOR, computed=computed, limits=picked(actuator.limit, LIMITS), motor=motor)
 
 
 def _sensor(sensor: Sensor) -> Json:

@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from stepbot.diagnostics import counted
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
@@ -24,13 +25,9 @@ def mass_words(mass: float) -> str:
 
 
 def mass_summary(masses: Mapping[str, float]) -> str:
-    """All links in one line: the total, the lightest and the heaviest; empty without links.
-
-    Args:
-        masses: Mass of each link [kg].
-    """
+    """The masses [kg] of all links in one line: the total, the lightest and the heaviest; empty without links."""
     heavy = {link: mass for link, mass in masses.items() if mass > 0.0}
-    words = f"mass: {mass_words(exact_sum(masses.values()))} in {len(masses)} link" + "s" * (len(masses) != 1)
+    words = f"mass: {mass_words(exact_sum(masses.values()))} in {counted(len(masses), 'link')}"
     if len(heavy) < 2:
         return words if masses else ""
     least, most = min(heavy, key=heavy.__getitem__), max(heavy, key=heavy.__getitem__)
@@ -42,7 +39,7 @@ _PLURALS = {"box": "boxes", "mesh": "meshes"}
 
 def shape_words(shapes: Mapping[str, int]) -> str:
     """``2 boxes, 1 cylinder, 3 hulls``."""
-    return ", ".join(f"{n} {name if n == 1 else _PLURALS.get(name, name + 's')}" for name, n in sorted(shapes.items()))
+    return ", ".join(counted(n, name, _PLURALS.get(name, "")) for name, n in sorted(shapes.items()))
 
 
 def collision_summary(shapes: Sequence[LinkCollision]) -> str:
@@ -50,8 +47,7 @@ def collision_summary(shapes: Sequence[LinkCollision]) -> str:
     counts: Counter[str] = Counter()
     for one in shapes:
         counts.update(one.shapes)
-    links = f"{len(shapes)} link" + "s" * (len(shapes) != 1)
-    words = f"collision shapes of {links}: {shape_words(counts)}"
+    words = f"collision shapes of {counted(len(shapes), 'link')}: {shape_words(counts)}"
     scored = [one for one in shapes if one.iou is not None and one.overshoot is not None]
     if scored:
         least = min(scored, key=lambda one: one.iou or 0.0)
@@ -198,8 +194,7 @@ def independent_joints(results: Results) -> str:
     """The degrees of freedom of a robot with loops, and its independent joints; empty for one without."""
     if not results.driven or results.degrees_of_freedom is None:
         return ""
-    degrees = f"{results.degrees_of_freedom} degree" + "s" * (results.degrees_of_freedom != 1)
-    return f"{degrees} of freedom, driven by {', '.join(results.driven)}"
+    return f"{counted(results.degrees_of_freedom, 'degree')} of freedom, driven by {', '.join(results.driven)}"
 
 
 Table = tuple[tuple[str, ...], list[tuple[str, ...]]]

@@ -11,8 +11,7 @@ from stepbot.sidecar.tree import subject
 from stepbot.step.structure.paths import quoted
 
 from .comparison import BrokenPath, Comparison, Fate
-from .matching import Certainty, Pair
-from .shapes import moved_words, shape_words
+from .matching import Certainty, pair_words
 from .snapshot import Reference, Snapshot
 
 _OFFERED = 5
@@ -59,9 +58,8 @@ def several(paths: Sequence[str], noun: str = "component") -> tuple[str, str]:
 def _renamed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
     help = _spelled(group)
     if all(one.replacement for one in group):
-        help.insert(
-            0, f"`{compared.local_command('check', '--fix')}` replaces {'the path' if len(group) == 1 else 'the paths'}"
-        )
+        paths = "the path" if len(group) == 1 else "the paths"
+        help.insert(0, f"`{compared.local_command('check', '--fix')}` replaces {paths}")
     return "SB310", f"{_was(compared, group)} renamed to {_new(group)} ({_evidence(compared, group)})", help
 
 
@@ -126,15 +124,8 @@ def _evidence(compared: Comparison, group: Group) -> str:
             "same shape, same pose" if len(pairs) == 1 else f"{len(pairs)} parts of the same shapes in the same poses"
         )
     weak = next(pair for pair in pairs if pair.certainty is Certainty.PROBABLE)
-    return pair_words(compared, weak) + (f"; {len(pairs) - 1} more parts" if len(pairs) > 1 else "")
-
-
-def pair_words(compared: Comparison, pair: Pair) -> str:
-    """Similarity of two parts: ``same shape, moved by 3 mm``."""
-    shape = "same shape"
-    if not pair.is_same_shape:
-        shape = shape_words(compared.old.shape_of(pair.old), compared.new.shape_of(pair.new))
-    return f"{shape}, {'same pose' if pair.motion.is_none else moved_words(pair.motion)}"
+    more = f"; {len(pairs) - 1} more parts" if len(pairs) > 1 else ""
+    return f"{pair_words(compared.old, compared.new, weak)}{more}"
 
 
 def _span(compared: Comparison, place: PathPlace) -> Span:

@@ -11,7 +11,7 @@ from stepbot.verification.compare import Compared
 from stepbot.verification.deviation import Deviation
 
 from .comparison import renamed_node
-from .matching import Certainty, Match, Pair, match
+from .matching import Certainty, Match, Pair, match, pair_words
 from .shapes import Motion, change, common_words, moved_words, shape_words, stuff_words
 from .snapshot import Snapshot
 
@@ -134,28 +134,21 @@ def _names(old: Snapshot, new: Snapshot, matched: Match) -> Iterator[Difference]
     for (before, after), pairs in groups.items():
         sure = all(pair.certainty is Certainty.CERTAIN for pair in pairs)
         parts = f", {len(pairs)} parts" if len(pairs) > 1 else ""
-        detail = "same shape and pose" if sure else _likeness(old, new, pairs)
+        likeness = (pair_words(old, new, pair) for pair in pairs if pair.certainty is Certainty.PROBABLE)
+        detail = "same shape and pose" if sure else next(likeness)
         yield Difference("renamed" if sure else "probably renamed", before, detail + parts, new_name=after)
-
-
-def _likeness(old: Snapshot, new: Snapshot, pairs: Iterable[Pair]) -> str:
-    weak = next(pair for pair in pairs if pair.certainty is Certainty.PROBABLE)
-    shape = "same shape" if weak.is_same_shape else shape_words(old.shape_of(weak.old), new.shape_of(weak.new))
-    return f"{shape}, {'same pose' if weak.motion.is_none else moved_words(weak.motion)}"
 
 
 def _changes(old: Snapshot, new: Snapshot, pair: Pair) -> Iterator[Difference]:
     """The change of a component that is in both."""
     before, after = old.parts[pair.old], new.parts[pair.new]
     if pair.certainty is Certainty.PATH:
-        if not pair.motion.is_none:
-            yield _moved(after.path, pair.motion)
+        moved = pair.motion
+        if not moved.is_none:
+            words = moved_words(moved)
+            yield Difference("moved", after.path, words, amount=moved.distance, unit="m", angle=moved.angle)
         if not pair.is_same_shape:
             words = shape_words(old.shape_of(pair.old), new.shape_of(pair.new))
             yield Difference("reshaped", after.path, words)
     if stuff := stuff_words(before, after):
         yield Difference("material", after.path, stuff)
-
-
-def _moved(path: str, motion: Motion) -> Difference:
-    return Difference("moved", path, moved_words(motion), amount=motion.distance, unit="m", angle=motion.angle)

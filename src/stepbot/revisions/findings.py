@@ -10,9 +10,9 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.sidecar.tree import Keys, subject
 from stepbot.step.structure.paths import ComponentPaths, quoted, segments_of, without_ordinal
 
-from .broken_paths import pair_words, report_broken, several
+from .broken_paths import report_broken, several
 from .comparison import Comparison, is_below, renamed_node
-from .matching import Certainty, Pair
+from .matching import Certainty, Pair, pair_words
 from .shapes import axis_words, common_words, mass_words, moved_words, shape_words, stuff_words
 
 _SHOWN = 5
@@ -53,7 +53,8 @@ class _Reporter:
         self._report_renamed()
         self._report_removed()
         self._report_added()
-        self._report_moved()
+        moved = ((pair, moved_words(pair.motion)) for pair in self._by_path() if not pair.motion.is_none)
+        self._report_alike("SB318:pose", moved)
         self._report_shapes()
         self._report_masses()
         self._report_joints()
@@ -85,8 +86,8 @@ class _Reporter:
     def _is_still_named(self, pair: Pair) -> bool:
         """Whether the old path still matches it, and the new name is only due to a sibling or `#n`."""
         old, new = self._c.old.parts[pair.old].path, self._c.new.parts[pair.new].path
-        found = self._paths.find(old)
-        return _is_renumbered(old, new) or self._c.components[pair.new].index in found.indices
+        is_renumbered = [*map(without_ordinal, segments_of(old))] == [*map(without_ordinal, segments_of(new))]
+        return is_renumbered or self._c.components[pair.new].index in self._paths.find(old).indices
 
     def _report_removed(self) -> None:
         """Removed components that no path matched alone."""
@@ -109,7 +110,7 @@ class _Reporter:
             if index in self._replaced:
                 pair = self._replaced[index]
                 new = quoted(self._c.new.parts[pair.new].path)
-                yield f"{name} may be {new} now: {pair_words(self._c, pair)}"
+                yield f"{name} may be {new} now: {pair_words(self._c.old, self._c.new, pair)}"
             elif index in self._c.match.candidates:
                 names = [quoted(self._c.new.parts[j].path) for j in self._c.match.candidates[index]]
                 yield f"{name} may be one of these now, of the same shape: {', '.join(names[:_SHOWN])}"
@@ -143,12 +144,6 @@ class _Reporter:
                 ),
                 notes=_named(loose),
             )
-
-    def _report_moved(self) -> None:
-        self._report_alike(
-            "SB318:pose",
-            ((pair, moved_words(pair.motion)) for pair in self._by_path() if not pair.motion.is_none),
-        )
 
     def _report_shapes(self) -> None:
         words = []
@@ -207,11 +202,6 @@ class _Reporter:
 def _named(paths: Sequence[str]) -> tuple[str, ...]:
     """Paths for the notes of a message that only has their number."""
     return listed(tuple(map(quoted, paths))) if len(paths) > 1 else ()
-
-
-def _is_renumbered(old: str, new: str) -> bool:
-    """Whether two paths differ in ``#n`` alone."""
-    return [*map(without_ordinal, segments_of(old))] == [*map(without_ordinal, segments_of(new))]
 
 
 def _is_same(a: float, b: float) -> bool:

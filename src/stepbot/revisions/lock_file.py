@@ -31,11 +31,7 @@ _REFERENCE = "path components"
 
 def lock_bytes(snapshot: Snapshot) -> bytes:
     """The lock as UTF-8, one record on a line."""
-    head = {
-        "version": VERSION,
-        "robot": snapshot.robot,
-        "step": {"file": snapshot.source, "blake2b": snapshot.digest},
-    }
+    head = {"version": VERSION, "robot": snapshot.robot, "step": {"file": snapshot.source, "blake2b": snapshot.digest}}
     lists: dict[str, list[dict[str, Any]]] = {
         "shapes": [picked(one, _SHAPE, faces=dict(one.faces)) for one in snapshot.shapes],
         "parts": [picked(one, _PART) for one in snapshot.parts],
@@ -50,11 +46,7 @@ def lock_bytes(snapshot: Snapshot) -> bytes:
 
 
 def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
-    """The lock at a path; None if it is missing or unusable, which is reported (SB013 to SB015).
-
-    Args:
-        robot: Name of the expected robot.
-    """
+    """The lock of a robot at a path; None if it is missing or unusable, which is reported (SB013 to SB015)."""
     span = Span(path.as_posix())
     remedy = [f"restore '{path.name}' from version control, or replace it with `stepbot lock`"]
     try:
@@ -70,9 +62,8 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
         version = value_at(document, "version", int)
         if version > VERSION:
             help = ["upgrade stepbot, or replace the lock file with `stepbot lock`"]
-            found.add(
-                "SB013", f"lock file has version {version}; the newest supported version is {VERSION}", span, help=help
-            )
+            message = f"lock file has version {version}; the newest supported version is {VERSION}"
+            found.add("SB013", message, span, help=help)
             return None
         lock = _snapshot(document)
     except Invalid as error:

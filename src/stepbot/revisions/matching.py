@@ -20,7 +20,7 @@ from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, bounds
 
-from .shapes import ANGLE, PLACE, Motion, at_same_place, centroid, motion, same_box, same_shape
+from .shapes import ANGLE, PLACE, Motion, centroid, motion, moved_words, same_box, same_shape, shape_words
 from .snapshot import Part, Shape, Snapshot
 
 _NEAR_MEASURE = 0.02
@@ -48,6 +48,12 @@ class Pair(Struct, frozen=True):
     certainty: Certainty
     motion: Motion
     is_same_shape: bool
+
+
+def pair_words(old: Snapshot, new: Snapshot, pair: Pair) -> str:
+    """Similarity of two parts: ``same shape, moved by 3 mm``."""
+    shape = "same shape" if pair.is_same_shape else shape_words(old.shape_of(pair.old), new.shape_of(pair.new))
+    return f"{shape}, {'same pose' if pair.motion.is_none else moved_words(pair.motion)}"
 
 
 class Match(Struct, frozen=True):
@@ -100,14 +106,8 @@ class _Matching:
         self._pair_same_path(only_unmoved=False)
         self._pair_same_shape()
         self._pair_near()
-        candidates = self._candidates()
-        return Match(
-            tuple(self._pairs[index] for index in sorted(self._pairs)),
-            tuple(self._left_old()),
-            tuple(self._left_new()),
-            candidates,
-            common,
-        )
+        pairs = tuple(self._pairs[index] for index in sorted(self._pairs))
+        return Match(pairs, tuple(self._left_old()), tuple(self._left_new()), self._candidates(), common)
 
     def _left_old(self) -> list[int]:
         return [index for index in range(len(self._old.parts)) if index not in self._pairs]
@@ -139,7 +139,9 @@ class _Matching:
         """Pair equal shapes at one place, if neither has a name that the other snapshot gives to another part."""
         old_left = [i for i in self._left_old() if self._may_be_renamed(self._old.parts[i], self._new_paths)]
         new_left = [j for j in self._left_new() if self._may_be_renamed(self._new.parts[j], self._old_paths)]
-        for ours, theirs in self._by_class(old_left, new_left):
+        new_by_class = _grouped(new_left, lambda j: self._new_class[j])
+        for key, ours in _grouped(old_left, lambda i: self._old_class[i]).items():
+            theirs = new_by_class.get(key, [])
             fits = {i: [j for j in self._within(i, theirs, 2.0 * PLACE) if self._is_at_same_place(i, j)] for i in ours}
             self._pair_only_ones(fits, Certainty.CERTAIN)
 
@@ -155,8 +157,7 @@ class _Matching:
         return part.by_ordinal or part.path not in others
 
     def _is_at_same_place(self, i: int, j: int) -> bool:
-        old, new = self._old, self._new
-        return at_same_place(old.parts[i], old.shape_of(i), new.parts[j], new.shape_of(j))
+        return self._motion(i, j).is_none and same_box(self._old.parts[i], self._new.parts[j])
 
     def _pair_same_shape(self) -> None:
         """Pair equal shapes with equal last names, then the only ones of a shape."""
@@ -194,11 +195,6 @@ class _Matching:
     def _candidates(self) -> dict[int, tuple[int, ...]]:
         theirs = _grouped(self._left_new(), lambda j: self._new_class[j])
         return {i: tuple(theirs[self._old_class[i]]) for i in self._left_old() if self._old_class[i] in theirs}
-
-    def _by_class(self, ours: Iterable[int], theirs: Iterable[int]) -> list[tuple[list[int], list[int]]]:
-        old = _grouped(ours, lambda i: self._old_class[i])
-        new = _grouped(theirs, lambda j: self._new_class[j])
-        return [(several, new[key]) for key, several in old.items() if key in new]
 
     def _within(self, i: int, theirs: list[int], reach: float) -> list[int]:
         """New parts whose centroids are within a distance [m] of an old part's."""

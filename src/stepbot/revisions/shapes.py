@@ -94,11 +94,6 @@ def motion(old: Part, old_shape: Shape, new: Part, new_shape: Shape) -> Motion:
     return Motion(distance, None if turned else 0.0)
 
 
-def at_same_place(old: Part, old_shape: Shape, new: Part, new_shape: Shape) -> bool:
-    """Whether two components of the same shape fill the same space."""
-    return motion(old, old_shape, new, new_shape).is_none and same_box(old, new)
-
-
 def centroid(part: Part, shape: Shape) -> Array:
     """Centroid (3,) [m] in the assembly's frame."""
     return part.X_WC.apply(shape.com)

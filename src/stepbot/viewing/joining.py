@@ -163,7 +163,9 @@ def lines_of_origin(
     faces = axis_faces(assembly, a)
     found = lines(faces) if b is None else mates(faces, axis_faces(assembly, b))
     radius = selected.radius
-    candidates = [line for line in found if radius is None or _has_radius(line, radius)]
+    candidates = [
+        one for one in found if radius is None or min(abs(r - radius) for r in one.radii) <= DISTANCE_TOLERANCE
+    ]
     chosen = choose(candidates, selected.near, direction_only=direction_only, selected=radius is not None).line
     plain = choose(found, direction_only=direction_only).line
     made = []
@@ -171,10 +173,6 @@ def lines_of_origin(
         one = Selector() if line is plain and not all_explicit else selector(line, found)
         made.append(_shared(assembly, a[0], line, line is chosen, one, "mate"))
     return tuple(made)
-
-
-def _has_radius(line: AxisLine, radius: float) -> bool:
-    return bool(np.abs(np.array(line.radii) - radius).min() <= DISTANCE_TOLERANCE)
 
 
 def _shared(assembly: Assembly, a: int, line: AxisLine, chosen: bool, offered: Selector, form: Form) -> SharedLine:

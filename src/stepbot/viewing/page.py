@@ -29,7 +29,7 @@ def page_html(
     title: str,
     scene: dict[str, Any] | None,
     *,
-    modules: Iterable[str] = (MAIN,),
+    modules: tuple[str, ...] = (MAIN,),
     connect: str = "",
     styles: Iterable[str] = (STYLE,),
     after: str = "",
@@ -48,7 +48,8 @@ def page_html(
         "policy": escape(policy(style, script, connect)),
         "title": escape(title),
         "style": style,
-        "scene": "" if scene is None else json_in_html(scene),
+        # JSON that stays data within a script element, whatever names it holds.
+        "scene": "" if scene is None else scene_text(scene).translate(_ESCAPES),
         "script": script,
         "after": after,
     }
@@ -58,23 +59,17 @@ def page_html(
 def plain_page(title: str, body: str) -> str:
     """A page without scripts: a title and a body of HTML, in the same style."""
     style = _resource(STYLE) + _resource("report.css")
-    policy = escape(f"default-src 'none'; style-src {_hash(style)}; base-uri 'none'; form-action 'none'")
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{escape(policy(style))}">\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n{body}\n</body>\n</html>\n"
     )
 
 
-def json_in_html(scene: dict[str, Any]) -> str:
-    """JSON that stays data within a script element, whatever names it holds."""
-    return scene_text(scene).translate(_ESCAPES)
-
-
-def policy(style: str, script: str, connect: str = "") -> str:
+def policy(style: str, script: str = "", connect: str = "") -> str:
     """A Content-Security-Policy that allows this style and this script and nothing else."""
-    rules = ["default-src 'none'", f"script-src {_hash(script)}", f"style-src {_hash(style)}"]
+    rules = ["default-src 'none'", *([f"script-src {_hash(script)}"] if script else []), f"style-src {_hash(style)}"]
     rules += [f"connect-src {connect}"] if connect else []
     return "; ".join([*rules, "base-uri 'none'", "form-action 'none'"])
 
@@ -84,20 +79,16 @@ def _hash(text: str) -> str:
 
 
 @cache
-def _bundle(names: tuple[str, ...]) -> str:
-    order: dict[str, str] = {}
-    for name in names:
-        _collect(name, order, ())
-    return "".join(order.values())
-
-
-def bundle(names: Iterable[str]) -> str:
+def bundle(names: tuple[str, ...]) -> str:
     """Modules and everything that they import, as one script.
 
     Raises:
         ValueError: Modules import each other in a circle.
     """
-    return _bundle(tuple(names))
+    order: dict[str, str] = {}
+    for name in names:
+        _collect(name, order, ())
+    return "".join(order.values())
 
 
 def _collect(name: str, order: dict[str, str], above: tuple[str, ...]) -> None:

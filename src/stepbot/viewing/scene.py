@@ -116,12 +116,7 @@ def scene_document(
         "connections": connection_documents(robot, evidence or {}),
         "motion": motion_document(robot),
         "joint_types": {
-            kind.value: {
-                "hinge": kind.is_hinge,
-                "needs": kind.needs,
-                "bounded": kind.bounded,
-                "closes": kind.closes,
-            }
+            kind.value: {"hinge": kind.is_hinge, "needs": kind.needs, "bounded": kind.bounded, "closes": kind.closes}
             for kind in JointKind
         },
         "frames": [

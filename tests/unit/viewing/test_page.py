@@ -68,7 +68,7 @@ def test_policy_allows_this_style_and_script_alone() -> None:
 
 def test_every_module_is_in_the_bundle() -> None:
     """The page to edit with has every script of the folder, each once and after those that it imports."""
-    text = bundle(["edit"])
+    text = bundle(("edit",))
     names = re.findall(r"^const module_(\w+) = ", text, re.MULTILINE)
     folder = Path(page.__file__).with_name("page")
     assert sorted(names) == sorted(path.stem for path in folder.glob("*.js"))
@@ -84,7 +84,7 @@ def test_circular_imports_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     sources = {"a.js": 'import { y } from "./b.js";\n', "b.js": 'import { x } from "./a.js";\n'}
     monkeypatch.setattr(page, "_resource", sources.__getitem__)
     with pytest.raises(ValueError, match="a -> b -> a"):
-        page._bundle.__wrapped__(("a",))
+        page.bundle.__wrapped__(("a",))
 
 
 @pytest.mark.parametrize("name", sorted(ROBOTS))

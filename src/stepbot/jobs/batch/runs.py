@@ -177,13 +177,7 @@ class Outcome(Struct, frozen=True):
 
 
 def run_batch(
-    tasks: Sequence[Task],
-    options: Options,
-    folder: Path,
-    executor: Executor,
-    *,
-    at_once: int,
-    as_bytes: bool = False,
+    tasks: Sequence[Task], options: Options, folder: Path, executor: Executor, *, at_once: int, as_bytes: bool = False
 ) -> Generator[Outcome, None, None]:
     """Convert robots; yields each outcome as soon as it is available. Closing the iterator cancels pending robots.
 

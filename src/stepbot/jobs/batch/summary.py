@@ -11,26 +11,34 @@ from typing import Any
 from stepbot.formats import FORMATS
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE
 from stepbot.report.document import Suite
+from stepbot.report.plain import Json
 from stepbot.runtime.file import is_file, read_regular, replace_file
 from stepbot.runtime.output import failed_output
 from stepbot.viewing.report.page import Entry, index_page
 
 from .runs import Outcome, Status
 
-Json = dict[str, Any]
+
+def _folder(outcome: Outcome) -> Path | None:
+    """Where the files of this run are; None if a failed robot has none: those there are from an earlier run."""
+    if outcome.status is not Status.FAILED:
+        return outcome.task.output
+    return failed_output(outcome.task.output) if outcome.files else None
+
+
+def _report(outcome: Outcome) -> Json:
+    """A robot's report; empty without a readable one."""
+    folder = _folder(outcome)
+    try:
+        report: Json = {} if folder is None else json.loads(read_regular(folder / REPORT))
+    except (OSError, ValueError):
+        return {}
+    return report
 
 
 def checks_of(outcome: Outcome) -> list[Mapping[str, Any]]:
     """The checks in a robot's report; none without a report."""
-    output = outcome.task.output
-    folder = failed_output(output) if outcome.status is Status.FAILED else output
-    if outcome.status is Status.FAILED and not outcome.files:  # the existing report is from an earlier run
-        return []
-    try:
-        checks: list[Mapping[str, Any]] = json.loads(read_regular(folder / REPORT))["checks"]
-    except (OSError, ValueError, KeyError):
-        return []
-    return checks
+    return list(_report(outcome).get("checks", ()))
 
 
 def check_counts(outcome: Outcome) -> dict[str, int]:
@@ -71,11 +79,7 @@ INDEX = "index.html"
 
 
 def write_index(folder: Path, outcomes: Sequence[Outcome]) -> None:
-    """Write the page.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write the page of the batch; raises OSError if that is impossible."""
     folder.mkdir(parents=True, exist_ok=True)
     replace_file(folder / INDEX, index_page([_entry(folder, outcome) for outcome in outcomes]))
 
@@ -112,11 +116,10 @@ def _usd(output: Path) -> Path | None:
 
 
 def _entry(folder: Path, outcome: Outcome) -> Entry:
-    has_failed = outcome.status is Status.FAILED
-    place = failed_output(outcome.task.output) if has_failed else outcome.task.output
-    is_current = not has_failed or bool(outcome.files)  # otherwise the files are from an earlier run
-    page = (place / REPORT_PAGE).relative_to(folder).as_posix() if is_current and is_file(place / REPORT_PAGE) else ""
-    robot = _robot(place / REPORT) if is_current else {}
+    place = _folder(outcome)
+    has_page = place is not None and is_file(place / REPORT_PAGE)
+    page = (place / REPORT_PAGE).relative_to(folder).as_posix() if place is not None and has_page else ""
+    robot = _report(outcome).get("robot")
     checks = check_counts(outcome)
     return Entry(
         outcome.task.name,
@@ -131,12 +134,3 @@ def _entry(folder: Path, outcome: Outcome) -> Entry:
         tuple(one.message for one in outcome.diagnostics if one.severity == "error"),
         sum(one.severity == "warning" for one in outcome.diagnostics),
     )
-
-
-def _robot(report: Path) -> dict[str, Any]:
-    """The robot in a report; empty without a readable one."""
-    try:
-        robot: dict[str, Any] = json.loads(read_regular(report))["robot"]
-    except (OSError, ValueError, KeyError):
-        return {}
-    return robot

@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from stepbot.diagnostics import Diagnostic
+from stepbot.diagnostics import Diagnostic, counted
 from stepbot.geometry.fixed_point import distinct_rows, exact_sum
 from stepbot.geometry.mesh import TriMesh, triangle_areas
 from stepbot.geometry.spatial import Array
@@ -60,17 +60,9 @@ class Entry(Struct, frozen=True):
 def index_page(entries: Sequence[Entry]) -> bytes:
     """The page."""
     failed = sum(one.status == "failed" for one in entries)
-    words = (
-        f"{len(entries)} {'robot' if len(entries) == 1 else 'robots'}, {failed} failed"
-        if failed
-        else f"{len(entries)} robots"
-    )
+    words = f"{counted(len(entries), 'robot')}{f', {failed} failed' if failed else ''}"
     headings = ("robot", "result", "checks", "mass", "links", "joints", "warnings", "errors")
-    body = element(
-        "div",
-        element("section", element("h2", words), table(headings, map(_row, entries))),
-        id="report",
-    )
+    body = element("div", element("section", element("h2", words), table(headings, map(_row, entries))), id="report")
     return plain_page("Robots – stepbot report", body).encode("utf-8", "backslashreplace")
 
 
@@ -159,11 +151,7 @@ STYLES = ("style.css", "report.css")
 
 
 def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines: Places) -> bytes:
-    """The report as one HTML file without references to others.
-
-    Args:
-        report: Results of verification, bodies, joint table.
-    """
+    """The report as one HTML file without references to others."""
     shown = reduced(robot)
     scene = scene_document(shown.robot, evidence=evidence_of_rows(report.joint_table), report=report, found=found)
     names: Mapping[str, str] = {one.span.file: PurePath(one.span.file).name for one in found}

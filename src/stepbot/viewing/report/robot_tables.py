@@ -8,16 +8,10 @@ from functools import partial
 from html import escape
 from math import degrees, floor, isfinite
 
+from stepbot.diagnostics import counted
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.report.robot import LinkCollision, MeasuredBody, Report, Status
-from stepbot.report.words import (
-    direction_words,
-    evidence_words,
-    point_words,
-    rival_words,
-    shape_words,
-    sheet_blocks,
-)
+from stepbot.report.words import direction_words, evidence_words, point_words, rival_words, shape_words, sheet_blocks
 from stepbot.robot.datasheet import ArmFigures, data_sheet
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import NO_BOUND
@@ -211,7 +205,7 @@ def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
     if not masses:
         return None
     origins = list(dict.fromkeys(one.origin for one in masses))
-    summary = f"{len(masses)} {'part' if len(masses) == 1 else 'parts'}: {', '.join(origins)}"
+    summary = f"{counted(len(masses), 'part')}: {', '.join(origins)}"
     headings = ("component", "mass", "density [kg/m³]", "volume [cm³]", "source", "computed from")
     rows = (
         element(

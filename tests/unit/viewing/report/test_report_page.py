@@ -21,7 +21,7 @@ from stepbot.report.words import sheet_blocks
 from stepbot.robot.datasheet import data_sheet
 from stepbot.robot.joint_table import Basis, Evidence, JointRow
 from stepbot.robot.model import Robot
-from stepbot.viewing.report.page import report_page
+from stepbot.viewing.report.page import Entry, index_page, report_page
 from tests.robots import ROBOTS
 
 EVIL = '</script><script>alert(1)</script><b onload="x">&\''
@@ -230,3 +230,9 @@ def test_a_real_arm_is_below_three_megabytes(name: str, corpus: Path, tmp_path: 
     assert len(page) < 3_000_000
     faces = sum(len(asset.mesh.faces) for asset in robot.meshes)
     assert re.search(rf"The picture has .*\b{faces} triangles", page.decode())
+
+
+def test_the_index_counts_one_robot() -> None:
+    """The page of a batch of one robot has `1 robot` as its heading."""
+    assert "<h2>1 robot</h2>" in index_page([Entry("arm", "converted")]).decode()
+    assert "<h2>2 robots, 1 failed</h2>" in index_page([Entry("arm", "converted"), Entry("leg", "failed")]).decode()
