@@ -237,12 +237,7 @@ def _next(sidecar: Path, questions: list[str]) -> list[str]:
 
 
 def asked(draft: "Draft", dialogue: "Dialogue | None" = None) -> "Draft":
-    """The draft after the user's answers; Enter keeps the drafted value.
-
-    Args:
-        draft: The first draft.
-        dialogue: Infers again after each answer; None if the joints are not inferred: then the root is asked for.
-    """
+    """The draft after the answers, or, of joints that are not inferred, with the root chosen; Enter keeps all."""
     return _rooted(draft) if dialogue is None else _answered(dialogue)
 
 
@@ -276,8 +271,15 @@ def _rooted(draft: "Draft") -> "Draft":
 def _choice(options: list[str], default: int = 0) -> int:
     for number, option in enumerate(options, 1):
         click.echo(f"  {number}  {printable(option)}", err=True)
-    answer: int = click.prompt("number", type=click.IntRange(1, len(options)), default=default + 1, err=True)
-    return answer - 1
+
+    numbers = click.Choice([str(number) for number in range(1, len(options) + 1)])
+    try:
+        return int(click.prompt("number", default=str(default + 1), type=numbers, show_choices=False, err=True)) - 1
+    except click.Abort as stop:
+        if not isinstance(stop.__context__, EOFError):  # but Ctrl-C
+            raise
+        click.echo("\nend of input: left as drafted", err=True)
+        return default
 
 
 @click.command(

@@ -154,6 +154,12 @@ def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monk
     assert stepbot("check", "--step", "slider.robot.yaml").code == 0
     assert stepbot("init", "slider.step", "-i", "--json").code == 2
 
+    monkeypatch.setattr("sys.stdin", io.StringIO("y\n"))
+    run = stepbot("init", "slider.step", "--interactive", "--force", "-v")
+    assert run.code == 0, run.err
+    assert "'y' is not one of '1', '2'" in run.err
+    assert "end of input: left as drafted" in run.err
+
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("chain")

@@ -132,7 +132,7 @@ class _Sharing:
 
     def _report_density(self, given: GivenMass, mass: float, volume: float) -> None:
         """Warn, once for each rule, of a mass that no material has in this volume: grams without a unit."""
-        doubt = density_doubt(mass, volume)
+        doubt = density_doubt(mass, volume, self._binder.sidecar.plain_number(*given.keys) is None)
         if doubt is None or given.pattern in self._heavy:
             return
         self._heavy.add(given.pattern)
@@ -196,7 +196,8 @@ def report_given_inertials(
         if section is None:
             continue
         members = [name for name in binder.document.links if body_of[name] == body_of[link.name]]
-        heavy = density_doubt(section.mass, _volume(binder, claims, members))
+        has_unit = binder.sidecar.plain_number("links", link.name, "inertial", "mass") is None
+        heavy = density_doubt(section.mass, _volume(binder, claims, members), has_unit)
         if heavy is not None:
             _report(binder, link.name, heavy, "mass")
         if section.com is None and section.inertia is None:

@@ -116,13 +116,13 @@ DENSEST = 25_000.0
 _MOMENTS = ("ixx", "iyy", "izz")
 
 
-def density_doubt(mass: float, volume: float) -> Finding | None:
-    """The doubt about a mass [kg] that no material has in a volume [m^3]: often grams without a unit."""
+def density_doubt(mass: float, volume: float, has_unit: bool) -> Finding | None:
+    """The doubt about a mass [kg] that no material has in a volume [m^3]: often grams, if it has no unit."""
     if volume <= 0.0 or mass <= DENSEST * volume:
         return None
     message = f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has"
     grams = f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"
-    return Finding("SB521", message, (grams,) if 1e-3 * mass <= DENSEST * volume else ())
+    return Finding("SB521", message, (grams,) if not has_unit and 1e-3 * mass <= DENSEST * volume else ())
 
 
 def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Finding]:

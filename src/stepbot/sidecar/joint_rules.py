@@ -10,7 +10,7 @@ from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointKind
 
 from .connections import rings
-from .document import JointSection
+from .document import Document, JointSection
 from .draft_comments import DraftedStop, drafted_stops
 from .joint_settings import ONE_FREEDOM, Setting, joint_limits, joint_settings, position_dimension, settings_of
 from .located import Sidecar
@@ -185,6 +185,7 @@ def check_mimics(sidecar: Sidecar, found: Diagnostics) -> None:
     document = sidecar.document
     leaders = {name: joint.mimic.joint for name, joint in document.joints.items() if joint.mimic is not None}
     closed = {name for ring in rings(leaders) for name in ring}
+    ranges = _ranges(document, leaders)
     for name, joint in document.joints.items():
         if joint.mimic is None or joint.mimic.joint not in document.joints:
             continue
@@ -198,10 +199,27 @@ def check_mimics(sidecar: Sidecar, found: Diagnostics) -> None:
             message = f"joint '{name}': joint '{joint.mimic.joint}' of type {leader.type} cannot be mimicked"
             found.add("SB459", message, place, help=[f"types that can be mimicked: {', '.join(ONE_FREEDOM)}"])
         elif joint.type in ONE_FREEDOM:
-            _check_positions(sidecar, name, found)
+            _check_positions(sidecar, name, ranges[joint.mimic.joint], found)
 
 
-def _check_positions(sidecar: Sidecar, name: str, found: Diagnostics) -> None:
+def _ranges(document: Document, leaders: Mapping[str, str]) -> dict[str, tuple[float, float]]:
+    """Positions [rad or m] of each joint that is mimicked: within its limits, and as far as its own mimic moves it."""
+    found: dict[str, tuple[float, float]] = {}
+    for at in leaders.values():
+        chain: dict[str, None] = {}
+        while at in document.joints and at not in found and at not in chain:
+            chain[at], at = None, leaders.get(at, "")
+        for name in reversed(chain):
+            limits, mimic = joint_limits(document, name), document.joints[name].mimic
+            low, high = limits.lower, limits.upper
+            if mimic is not None and mimic.multiplier and mimic.joint in found:
+                ends = [mimic.multiplier * q + mimic.offset.value for q in found[mimic.joint]]
+                low, high = max(low, min(ends)), min(high, max(ends))
+            found[name] = low, high
+    return found
+
+
+def _check_positions(sidecar: Sidecar, name: str, leading: tuple[float, float], found: Diagnostics) -> None:
     """Compare the mimic position of a joint with its limits and its assembled position."""
     document = sidecar.document
     joint = document.joints[name]
@@ -210,10 +228,10 @@ def _check_positions(sidecar: Sidecar, name: str, found: Diagnostics) -> None:
     assert position is not None
     if not {joint.zero.dimension, mimic.offset.dimension} <= {None, position}:
         return
-    own, leading = joint_limits(document, name), joint_limits(document, mimic.joint)
-    ends = [mimic.multiplier * q + mimic.offset.value for q in (leading.lower, leading.upper)]
+    own = joint_limits(document, name)
+    ends = [mimic.multiplier * q + mimic.offset.value for q in leading]
     place = sidecar.key_span("joints", name, "mimic")
-    if all(map(isfinite, ends)) and leading.lower < leading.upper and own.lower < own.upper:
+    if all(map(isfinite, ends)) and leading[0] < leading[1] and own.lower < own.upper:
         low, high = min(ends), max(ends)
         if low < own.lower - _ALONG or high > own.upper + _ALONG:
             message = (

@@ -104,7 +104,8 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
         return _wrong_count(keys, value)
     if kind not in _TYPES:
         return _Fault("SB122", error["msg"][:1].lower() + error["msg"][1:])
-    return _Fault("SB122", f"expected {_TYPES[kind]}, not {_shown(value)}", (_type_hint(kind, keys, value),))
+    hint = _type_hint(kind, error["loc"], keys, value)
+    return _Fault("SB122", f"expected {_TYPES[kind]}, not {_shown(value)}", (hint,))
 
 
 def _unknown_key(loc: tuple[str | int, ...], place: Keys, root: Tree) -> _Fault:
@@ -247,7 +248,7 @@ _TYPES = {
 }
 
 
-def _type_hint(kind: str, keys: Keys, value: Tree) -> str:
+def _type_hint(kind: str, loc: tuple[str | int, ...], keys: Keys, value: Tree) -> str:
     """Remedy for a value of another type; empty without any."""
     if keys == ("self_collision", "exclude"):
         return _KINDS_OF_PAIRS
@@ -263,8 +264,9 @@ def _type_hint(kind: str, keys: Keys, value: Tree) -> str:
         if kind != "bool_type" and value.plain and ":" in value.text:
             return "add a space after the colon: `key: value`"
     if "dict" in kind or "model" in kind:
-        names = len(keys) < 2 or kind == "dict_type"
-        return "write `name: {key: value}` for each" if names else "write `key: value` lines, or {key: value}"
+        if len(keys) < 2 or kind == "dict_type":
+            return "write `name: {key: value}` for each"
+        return f"write `key: value` lines, or {{key: value}}; keys here: {', '.join(keys_of(sections_at(loc)))}"
     return ""
 
 

@@ -96,6 +96,8 @@ def test_mass_too_large_for_the_volume(tmp_path: Path, found: ReadDiagnostics) -
     words = "55 kg in 24 cm^3 is 2.29e+06 kg/m^3, more than any material has"
     assert (doubt.code, doubt.message) == ("SB521", f"link 'base': {words}")
     assert doubt.help[0] == "if the unit is g, write `55 g`; numbers without a unit are kilograms"
+    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 800 g}}}\n", found)
+    assert "if the unit is g" not in "".join([*found][-1].help), "the unit is written"
 
 
 def test_a_link_without_geometry_is_not_checked(tmp_path: Path) -> None:

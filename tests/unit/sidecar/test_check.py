@@ -203,6 +203,18 @@ def test_rules_of_joints(elbow: str, wrist: str, expected: list[str]) -> None:
     assert codes(JOINT.format(elbow=elbow, wrist=wrist)) == expected
 
 
+@pytest.mark.parametrize(("upper", "expected"), [("2 rad", []), ("1.9 rad", ["SB460"])])
+def test_range_of_a_mimic_of_a_mimic(upper: str, expected: list[str]) -> None:
+    """A joint that mimics a mimic ranges as far as the first joint moves it, not as the limits between allow."""
+    text = JOINT.format(
+        elbow="type: revolute, limits: {lower: -2, upper: 2}",
+        wrist="type: revolute, limits: {lower: -2, upper: 2}, mimic: {joint: elbow, multiplier: -0.5}",
+    )
+    limits = f"limits: {{lower: -2, upper: {upper}}}"
+    third = f"  third: {{type: revolute, parent: hand, child: tip, {limits}, mimic: {{joint: wrist, multiplier: 2}}}}\n"
+    assert codes(text.replace("links: {", "links: {tip: {parts: [tip]}, ") + third) == expected
+
+
 def test_defaults_fill_limits() -> None:
     """Limits given by a default need not be repeated."""
     text = JOINT.format(elbow="type: revolute", wrist=TURNS)
