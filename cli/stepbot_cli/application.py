@@ -58,11 +58,7 @@ class Group(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command named by the first argument.
-
-        Raises:
-            click.UsageError: There is no such command.
-        """
+        """Find the command named by the first argument, or raise a usage error with similar ones."""
         name = args[0]
         if not name.startswith("-") and self.get_command(ctx, name) is None and not ctx.resilient_parsing:
             from stepbot.diagnostics import did_you_mean
@@ -121,11 +117,7 @@ def application() -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run ``stepbot`` and return its exit code.
-
-    Args:
-        argv: Arguments without the program name; default ``sys.argv[1:]``.
-    """
+    """Run ``stepbot`` with arguments, by default those of the process, and return its exit code."""
     open_closed_streams()
     if argv is None:
         _end_by_exit()

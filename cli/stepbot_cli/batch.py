@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.diagnostics import Diagnostics, Span, StepbotError, counted
 
 from .columns import aligned
-from .command import PATH, Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option, usage_errors
 from .convert import again_format_option, for_option, formats_with, html_option, no_verify_option, strict_option
-from .diagnostic_text import counted, paint, printable
+from .diagnostic_text import paint, printable
 from .limits import interruptible
 from .machine_output import junit_option, write_junit
 from .progress import bar, shown
@@ -80,10 +80,8 @@ def command(
     from stepbot.runtime.output import check_writable
 
     found = Diagnostics()
-    try:
+    with usage_errors():
         tasks = plan(find_sidecars(sidecars, found), output, found)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from None
     output = common_folder(output)
     if scheduler is not None:
         reject_descriptions("--scheduler", (task.sidecar for task in tasks))
@@ -190,10 +188,8 @@ def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, dis
     shown = outcomes and display.shows_results
     if shown:
         counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
-        write_result(
-            f"{counted(len(outcomes), 'robot')} in {printable(output.as_posix())}: "
-            + ", ".join(f"{n} {word}" for word, n in counts)
-        )
+        words = ", ".join(f"{n} {word}" for word, n in counts)
+        write_result(f"{counted(len(outcomes), 'robot')} in {printable(output.as_posix())}: {words}")
     show_diagnostics(found, display)
     for outcome in failed:
         show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], display)

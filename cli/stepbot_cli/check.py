@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostic, Diagnostics, listed
+from stepbot.diagnostics import Diagnostic, Diagnostics, counted, listed
 
 from .command import PATH, Command, display_options, ignore_option
-from .diagnostic_text import counted, printable
+from .diagnostic_text import printable
 from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import description_options, reading_options, reject_descriptions, report_trouble, variant_option
@@ -89,13 +89,7 @@ class CheckCommand(Command):
 @description_options
 @display_options
 @output_format_option
-def command(
-    options: "Options",
-    sidecars: tuple[Path, ...],
-    step: str | None,
-    fix: bool,
-    display: Display,
-) -> int:
+def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fix: bool, display: Display) -> int:
     """Check sidecars and report all errors. Folders are searched recursively; the default is the current folder.
 
     In place of a sidecar, a URDF, SDFormat or MJCF is checked for what a conversion to other formats would lose.

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, counted
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
 from .columns import table_lines
 from .command import PATH, Command, display_options, ignore_option
-from .diagnostic_text import counted, printable
+from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, report_trouble
 from .terminal import Display, show_diagnostics_of_use, write_document, write_result
@@ -23,10 +23,7 @@ if TYPE_CHECKING:
 _HEADINGS = ("class", "links", "poses", "first overlap")
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot collisions arm.robot.yaml --srdf arm.srdf",
-)
+@click.command(cls=Command, epilog="Example: stepbot collisions arm.robot.yaml --srdf arm.srdf")
 @click.argument("target", metavar="TARGET", type=PATH)
 @click.option(
     "--samples",
@@ -45,13 +42,7 @@ _HEADINGS = ("class", "links", "poses", "first overlap")
 @reading_options
 @package_path_option
 @display_options
-def command(
-    options: "Options",
-    target: Path,
-    samples: int | None,
-    srdf: Path | None,
-    display: Display,
-) -> int:
+def command(options: "Options", target: Path, samples: int | None, srdf: Path | None, display: Display) -> int:
     """Search random poses within the limits of all joints for links whose collision shapes overlap.
 
     TARGET is a sidecar, or any URDF, SDFormat or MJCF file. Each pair of links is adjacent (connected by a joint), or

@@ -1,6 +1,7 @@
 """Base classes and options of all commands; unexpected exceptions become diagnostics."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from itertools import takewhile
 from pathlib import Path
@@ -23,11 +24,7 @@ class Command(click.Command):
     """A command whose function returns the exit code."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the arguments, and say where a setting belongs that is not an option.
-
-        Raises:
-            click.UsageError: The arguments are invalid.
-        """
+        """Read the arguments; the usage error of a setting that is not an option states where it belongs."""
         given = list(args)
         if words := _formats_apart(args):
             raise click.UsageError(f"formats are separated by commas: `-f {','.join(words)}`", ctx)
@@ -54,6 +51,15 @@ class Command(click.Command):
             from .failures import show_exception
 
             return show_exception(error, as_json=bool(ctx.params.get("as_json")))
+
+
+@contextmanager
+def usage_errors(kind: type[click.UsageError] = click.BadParameter, before: str = "") -> Iterator[None]:
+    """Report a ValueError within the block as invalid arguments; ``before`` is put in front of its message."""
+    try:
+        yield
+    except ValueError as error:
+        raise kind(f"{before}{error}") from None
 
 
 def _place_in_sidecar(option: str) -> str:

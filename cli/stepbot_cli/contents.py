@@ -14,10 +14,9 @@ from stepbot.geometry.volume import VolumeProperties
 from stepbot.pipeline.stages import Inspection
 from stepbot.report.plain import picked
 from stepbot.step.assembly import Assembly, Body, BodyKind, Component, MeshTolerance, Validation
-from stepbot.step.features.axes import AxisLine, axis_faces, lines, selectors
-from stepbot.step.structure.paths import quoted
+from stepbot.step.features.axes import AxisLine
 
-from .inspection_rows import SharedAxes
+from .inspection_rows import SharedAxes, component_axes
 
 Box = tuple[Vector3, Vector3]
 
@@ -75,11 +74,7 @@ class Contents(Struct):
 def contents(
     assembly: Assembly, measures: tuple[VolumeProperties | None, ...], tolerance: MeshTolerance
 ) -> list[Contents]:
-    """Totals of each component.
-
-    Args:
-        measures: Mass properties of the mesh of each body.
-    """
+    """Totals of each component; ``measures`` are the mass properties of the mesh of each body."""
     found = [Contents() for _ in assembly.components]
     for number, indices in assembly.occurrences.items():
         body = assembly.bodies[number]
@@ -120,10 +115,7 @@ def _flat_ends(mesh: TriMesh, X: Pose) -> tuple[NDArray[np.bool_], NDArray[np.bo
     """
     corners = X.turn(mesh.vertices)[mesh.faces]
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    return (
-        (corners.max(axis=1) <= low + _IN_PLANE).any(axis=0),
-        (corners.min(axis=1) >= high - _IN_PLANE).any(axis=0),
-    )
+    return ((corners.max(axis=1) <= low + _IN_PLANE).any(axis=0), (corners.min(axis=1) >= high - _IN_PLANE).any(axis=0))
 
 
 def _joined_slack(one: Contents, box: Box, slack: Box) -> Box:
@@ -154,11 +146,7 @@ def volume(body: Body, measured: VolumeProperties | None) -> float:
 
 
 def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, Any]:
-    """The file, its components, and its bodies, to which components refer by index.
-
-    Args:
-        features: Whether to list the axis lines of each component.
-    """
+    """The file, its components, and its bodies, to which components refer by index; ``features`` are axis lines."""
     assembly = inspection.assembly
     if assembly is None:
         return {}
@@ -166,7 +154,8 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
     components = [_component(component, sums[component.index]) for component in assembly.components]
     if features:
         for component, document in zip(assembly.components, components, strict=True):
-            document["axes"] = _axes(assembly, component)
+            axes = component_axes(assembly, component)
+            document["axes"] = [{**_line(line), "origin": origin} for line, origin in axes]
     return {
         **picked(assembly, "file=source schema originating_system unit unit_scale facts definitions"),
         **picked(sums[0], "solids surfaces volume"),
@@ -217,14 +206,6 @@ def _validation(assembly: Assembly, validation: Validation) -> dict[str, Any]:
     """A validation property of the file, in SI."""
     path = assembly.components[validation.component].path
     return picked(validation, "component quantity stated read deviation tolerance agrees", component=path)
-
-
-def _axes(assembly: Assembly, component: Component) -> list[dict[str, Any]]:
-    found = lines(axis_faces(assembly, [component.index]))
-    return [
-        {**_line(line), "origin": f"{{axis_of: {quoted(component.path)}{selector}}}"}
-        for line, selector in zip(found, selectors(found), strict=True)
-    ]
 
 
 def _line(line: AxisLine) -> dict[str, Any]:

@@ -3,17 +3,16 @@
 import json
 import shlex
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from stepbot.diagnostics import did_you_mean
+from stepbot.diagnostics import counted, did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
 
-from .command import PATH, Command, display_options, ignore_option, names_option, split_names
-from .diagnostic_text import counted
+from .command import PATH, Command, display_options, ignore_option, names_option, split_names, usage_errors
 from .machine_output import junit_option, output_format_option, write_junit
 from .progress import CONVERSION, progress_bar
 from .reading import (
@@ -29,7 +28,6 @@ from .table import show_joint_rows, show_table, write_filled
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.document import Suite
     from stepbot.report.results import Results
@@ -66,10 +64,8 @@ def _package(context: click.Context, option: click.Parameter, given: str | None)
         return ""
     from stepbot.formats.urdf.package import package_named
 
-    try:
+    with usage_errors():
         return package_named(given)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from None
 
 
 package_option = click.option(
@@ -99,10 +95,8 @@ def _programs(context: click.Context, option: click.Parameter, given: tuple[str,
         return ()
     from stepbot.formats.learning import MENAGERIE, program_names
 
-    try:
+    with usage_errors():
         programs = program_names(names)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from None
     if MENAGERIE in programs:
         from .render import require_packages
 
@@ -138,11 +132,7 @@ no_verify_option = click.option(
 @click.option("--step", type=PATH, metavar="FILE", help="STEP file, instead of the one in SIDECAR.")
 @format_option
 @click.option(
-    "-o",
-    "--output",
-    type=PATH,
-    metavar="DIR",
-    help="Output folder.  [default: name of SIDECAR, in the current folder]",
+    "-o", "--output", type=PATH, metavar="DIR", help="Output folder.  [default: name of SIDECAR, in the current folder]"
 )
 @no_verify_option
 @drive_option
@@ -217,10 +207,8 @@ def package_name(package: str, ros2: str, formats: tuple[str, ...]) -> str:
         return ""
     from stepbot.formats.urdf.package import package_of
 
-    try:
+    with usage_errors(click.UsageError):
         return package_of(package, ros2, format_names(formats), prefix="--")
-    except ValueError as error:
-        raise click.UsageError(str(error)) from None
 
 
 def model_of(output: Path, formats: tuple[str, ...]) -> str:
@@ -231,19 +219,12 @@ def model_of(output: Path, formats: tuple[str, ...]) -> str:
     """
     from stepbot.formats.sdformat.model_name import model_name
 
-    try:
+    with usage_errors(click.UsageError, "--gazebo: "):
         return model_name(output, format_names(formats))
-    except ValueError as error:
-        raise click.UsageError(f"--gazebo: {error}") from None
 
 
 def run_conversion(
-    sidecar: Path,
-    options: "Options",
-    *,
-    display: Display,
-    junit: Path | None = None,
-    drive: bool = False,
+    sidecar: Path, options: "Options", *, display: Display, junit: Path | None = None, drive: bool = False
 ) -> int:
     """Convert a sidecar and print the result; returns the exit code.
 
@@ -253,47 +234,39 @@ def run_conversion(
     if options.require and not options.verify:
         raise click.UsageError("--require and --no-verify cannot be combined")
     from stepbot.jobs.incremental import convert
+    from stepbot.runtime.output import failed_output
 
     driven = None
     with progress_bar((*CONVERSION, "drive") if drive else CONVERSION, options) as progress:
         conversion = convert(sidecar, options, progress)
-        folder = written_to(conversion, options.output)  # before the drive tests: their findings move no file
+        # Before the drive tests: their findings move no file.
+        folder = failed_output(options.output) if conversion.diagnostics.has_errors else options.output
         if drive and not conversion.diagnostics.has_errors:
-            driven = _driven(conversion, options, progress)
+            from stepbot.pipeline.driving import DriveOptions
+            from stepbot.pipeline.driving import drive as drive_files
+
+            driven = drive_files(options.output, options, DriveOptions(), conversion.diagnostics, progress)
     report_trouble(options.cache, conversion.diagnostics)
     if junit is not None:
         write_junit(junit, [_suite(sidecar, conversion)])
     if display.json:
         document = _document(conversion, folder)
-        write_json({**document, "drive": _driven_json(driven)} if drive else document)
+        if drive:
+            from stepbot.driving.document import driven_document
+
+            document["drive"] = None if driven is None else driven_document(driven)
+        write_json(document)
         return conversion.diagnostics.exit_code
     if display.shows_results:
         _show_verdict(conversion, display)
         if driven is not None:
-            _show_driven(driven, display)
+            from .drive import driven_lines
+
+            write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
     show_diagnostics(conversion.diagnostics, display)
     if display.shows_results and conversion.files:
         _show_files(conversion.files, folder, failed=conversion.diagnostics.has_errors)
     return conversion.diagnostics.exit_code
-
-
-def _driven(conversion: "Conversion", options: "Options", progress: Callable[[str], None]) -> "Driven | None":
-    """The drive tests of the written files; None if they could not be driven."""
-    from stepbot.pipeline.driving import DriveOptions, drive
-
-    return drive(options.output, options, DriveOptions(), conversion.diagnostics, progress)
-
-
-def _driven_json(driven: "Driven | None") -> dict[str, object] | None:
-    from .drive import driven_json
-
-    return None if driven is None else driven_json(driven)
-
-
-def _show_driven(driven: "Driven", display: Display) -> None:
-    from .drive import driven_lines
-
-    write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
 
 
 def _show_verdict(conversion: "Conversion", display: Display) -> None:
@@ -340,13 +313,6 @@ def default_output(sidecar: Path, variant: str = "") -> Path:
     """Folder for the files of a sidecar: ``arm.robot.yaml`` goes to ``arm``, its variant ``long`` to ``arm_long``."""
     name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
     return Path(f"{name}_{variant}" if variant else name)
-
-
-def written_to(conversion: "Conversion", output: Path) -> Path:
-    """Where the files are: files that fail verification are kept next to the output folder."""
-    from stepbot.runtime.output import failed_output
-
-    return failed_output(output) if conversion.diagnostics.has_errors else output
 
 
 def format_names(given: tuple[str, ...]) -> tuple[str, ...]:

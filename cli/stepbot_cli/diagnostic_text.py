@@ -5,16 +5,10 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from stepbot.diagnostics import Diagnostic, source_lines
+from stepbot.diagnostics import Diagnostic, counted, source_lines
 from stepbot.diagnostics.codes import CODES
 
 from .columns import cells, shortened
-
-
-def counted(number: int, singular: str, plural: str = "") -> str:
-    """``1 link``, ``2 links``, ``2 axes`` where ``plural`` is given."""
-    return f"{number} {singular if number == 1 else plural or singular + 's'}"
-
 
 FRAME_WIDTH = 120
 """Width of a code frame if the width of the screen is unknown."""
@@ -37,11 +31,7 @@ _SUBJECT = re.compile(r"'[^']+'")
 
 
 def full(
-    diagnostics: Sequence[Diagnostic],
-    *,
-    color: bool = False,
-    width: int = FRAME_WIDTH,
-    most_notes: int | None = None,
+    diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int = FRAME_WIDTH, most_notes: int | None = None
 ) -> str:
     """Each diagnostic with its source line, notes and help.
 
@@ -120,13 +110,11 @@ def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:
     rest = len(diagnostic.notes) - most
     if rest <= 0:
         return diagnostic
-    more = f"{rest} more {'note' if rest == 1 else 'notes'}"
+    more = counted(rest, "more note")
     return diagnostic._replace(notes=(*diagnostic.notes[:most], more))
 
 
-def _sorted_out(
-    diagnostics: Sequence[Diagnostic],
-) -> tuple[list[Diagnostic], list[Diagnostic], list[list[Diagnostic]]]:
+def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[Diagnostic], list[list[Diagnostic]]]:
     """Findings to show in full (some of each code), further errors, and further warnings by code."""
     in_full: list[Diagnostic] = []
     brief: list[Diagnostic] = []
@@ -223,9 +211,8 @@ def _frame(diagnostic: Diagnostic, source_line: str, gutter: str, color: bool, w
         return []
     before = ("…" if cut else "") + _one_cell_controls(source_line[cut:start])
     marked = _one_cell_controls(source_line[start : min(end, stop)])
-    after = _one_cell_controls(source_line[max(min(end, stop), start) : stop]) + (
-        "…" if stop < len(source_line) else ""
-    )
+    after = _one_cell_controls(source_line[max(min(end, stop), start) : stop])
+    after += "…" if stop < len(source_line) else ""
     bar = paint("|", _FRAME_COLOR, color)
     mark = paint("^" * max(cells(marked), 1), _COLORS[diagnostic.severity], color)
     frame = [f"{gutter} {bar}", f"{paint(str(span.line), _FRAME_COLOR, color)} {bar} {before}{marked}{after}"]

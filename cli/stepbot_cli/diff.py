@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import click
 from msgspec.structs import asdict
 
-from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span, counted
 from stepbot.runtime.file import exists, is_folder
 
 from .columns import wrapped_rows
 from .command import PATH, Command, display_options
-from .diagnostic_text import counted, paint, printable
+from .diagnostic_text import paint, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, report_trouble

@@ -6,6 +6,8 @@ from pathlib import Path
 import click
 from msgspec.structs import asdict
 
+from stepbot.diagnostics import counted
+
 from .command import Command, json_option
 from .diagnostic_text import paint, printable
 from .reading import folder_option, opened
@@ -58,6 +60,5 @@ def command(webgl: bool, cache: Path | None, as_json: bool) -> int:
         write_result(printable(f"  {item.name:<{width}}  ") + state + printable(f"  {words}").rstrip())
         if item.state != OK and item.fix:
             write_result(printable(f"  {'':<{width}}  {'':<13}  {item.fix}"))
-    count = len(problems)
-    write_result(f"{count} problem{'' if count == 1 else 's'}" if problems else "no problems")
+    write_result(counted(len(problems), "problem") if problems else "no problems")
     return code

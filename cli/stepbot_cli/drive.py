@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.diagnostics import Diagnostics, counted, did_you_mean
 from stepbot.driving.plan import ENGINES, TESTS
 
 from .command import PATH, Command, display_options, names_option
-from .diagnostic_text import counted, printable
+from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, report_trouble, variant_option
 from .table import filled, status_lines
@@ -91,13 +91,6 @@ def _numbers(verdict: "Verdict") -> list[str]:
     return [_number(measure) for measure in verdict.result.measures] if verdict.result else [verdict.why]
 
 
-def driven_json(driven: "Driven") -> dict[str, Any]:
-    """The output of ``--json``, with the speeds."""
-    from stepbot.driving.document import driven_document
-
-    return driven_document(driven)
-
-
 _NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}, "not_run": {}, "ranges": []}
 
 
@@ -110,10 +103,7 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
     return names
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot drive gripper.robot.yaml --test hold,grip",
-)
+@click.command(cls=Command, epilog="Example: stepbot drive gripper.robot.yaml --test hold,grip")
 @click.argument("target", metavar="TARGET", type=PATH)
 @names_option(
     "--test", "tests", metavar="TEST,...", help=f"Tests to run, of {', '.join(TESTS)}.  [default: all that apply]"
@@ -161,17 +151,17 @@ def command(
     with progress_bar(("read", "build", "write", "drive"), options) as progress:
         driven = drive(target, options, chosen, found, progress)
     report_trouble(options.cache, found)
-    drawn = _draw(driven, plots) if driven is not None and plots is not None else []
+    drawn: list[str] = []
+    if driven is not None and plots is not None:
+        from stepbot.driving.plots import draw
+
+        drawn = [path.as_posix() for path in draw(driven, plots)]
     if display.json:
-        document = driven_json(driven) if driven is not None else _NOTHING
+        from stepbot.driving.document import driven_document
+
+        document = driven_document(driven) if driven is not None else _NOTHING
         return write_document({**document, "plots": drawn}, found)
     if driven is not None and display.shows_results:
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
     show_diagnostics_of_use(found, display)
     return found.exit_code
-
-
-def _draw(driven: "Driven", folder: Path) -> list[str]:
-    from stepbot.driving.plots import draw
-
-    return [path.as_posix() for path in draw(driven, folder)]

@@ -20,9 +20,8 @@ def command(code: str | None) -> int:
     Without CODE, list all codes.
     """
     if code is None:
-        write_result(
-            "\n".join(f"{c.id}  {c.severity:<7}  {c.title}" for c in sorted(CODES.values(), key=lambda c: c.id))
-        )
+        listed = sorted(CODES.values(), key=lambda c: c.id)
+        write_result("\n".join(f"{c.id}  {c.severity:<7}  {c.title}" for c in listed))
         return 0
     wanted = full_code(code)
     known = current(wanted)

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 import click
 from msgspec.structs import replace
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, counted
+from stepbot.report.plain import picked
 from stepbot.runtime.file import exists
 
 from .command import PATH, Command, display_options
 from .convert import default_output
-from .diagnostic_text import counted, printable
+from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, report_trouble
 from .terminal import Display, show_diagnostics, write_document, write_result
@@ -58,7 +59,6 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
 def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     """A draft, and the number of questions in its ``text``, as JSON."""
     from stepbot.draft.text.draft_names import names_of
-    from stepbot.report.plain import picked
 
     names = names_of(draft)
     links = [
@@ -113,8 +113,6 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
 
 def _fused_document(one: "Alternative", name: str, link: str, text: str) -> dict[str, Any]:
     """A part that looks movable and was fused, and the line of the sidecar's ``text`` that frees it."""
-    from stepbot.report.plain import picked
-
     return {
         "part": one.moving,
         "with": one.a if one.moving == one.b else one.b,
@@ -127,15 +125,11 @@ def _fused_document(one: "Alternative", name: str, link: str, text: str) -> dict
 
 
 def _question_document(one: "Question") -> dict[str, Any]:
-    from stepbot.report.plain import picked
-
     options = [picked(option, "value text") for option in one.options]
     return picked(one, "name text decides options drafted", options=options, drafted=one.drafted.value)
 
 
 def _confidence(one: Any) -> dict[str, Any]:
-    from stepbot.report.plain import picked
-
     return picked(one.confidence, "score evidence")
 
 
@@ -282,10 +276,7 @@ def _choice(options: list[str], default: int = 0) -> int:
         return default
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot init arm.step",
-)
+@click.command(cls=Command, epilog="Example: stepbot init arm.step")
 @click.argument("step", metavar="STEP", type=PATH)
 @click.option(
     "-o",
@@ -375,24 +366,15 @@ def _answers(file: Path) -> dict[str, str]:
 
 
 def _show_result(
-    draft: "Draft | None",
-    text: str,
-    sidecar: Path,
-    step: Path,
-    found: Diagnostics,
-    display: Display,
+    draft: "Draft | None", text: str, sidecar: Path, step: Path, found: Diagnostics, display: Display
 ) -> int:
     """Print a draft and what to do next; ``text`` is the sidecar as written."""
     if display.json:
-        return write_document(_document(draft, text, sidecar, step, found), found)
+        document: dict[str, Any] = {"step": step.as_posix(), "sidecar": sidecar.as_posix()}
+        if draft is not None:
+            document |= {"written": not found.has_errors, **draft_document(draft, text)}
+        return write_document(document, found)
     if draft is not None and not found.has_errors and display.shows_results:
         write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
     show_diagnostics(found, display)
     return found.exit_code
-
-
-def _document(draft: "Draft | None", text: str, sidecar: Path, step: Path, found: Diagnostics) -> dict[str, Any]:
-    document: dict[str, Any] = {"step": step.as_posix(), "sidecar": sidecar.as_posix()}
-    if draft is not None:
-        document |= {"written": not found.has_errors, **draft_document(draft, text)}
-    return document

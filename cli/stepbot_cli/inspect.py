@@ -25,10 +25,7 @@ _APART = 0.8
 """How far the parts of an exploded view move, relative to their distance from the middle of what they belong to."""
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot inspect arm.step --between base forearm",
-)
+@click.command(cls=Command, epilog="Example: stepbot inspect arm.step --between base forearm")
 @click.argument("step", metavar="STEP", type=PATH)
 @click.option(
     "--features", is_flag=True, help="List the axes of each component, with the origin that selects each axis."

@@ -7,7 +7,7 @@ from msgspec import Struct
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.step.assembly import Assembly, Component
-from stepbot.step.features.axes import AxisLine, NearMiss, axis_faces, choose, mates, near_misses, selectors
+from stepbot.step.features.axes import AxisLine, NearMiss, axis_faces, choose, lines, mates, near_misses, selectors
 from stepbot.step.structure.paths import ComponentPaths, quoted, subtree_ends
 
 _SHOWN = 12
@@ -33,12 +33,10 @@ class SharedAxes(Struct, frozen=True):
 
 
 def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str, b: str) -> SharedAxes:
-    """Compare two components or links.
+    """Compare two links or components, ``a`` and ``b``, by their names or paths.
 
     Args:
         links: Indices of the components of each link; empty without a sidecar.
-        a: Name of a link, or path of a component.
-        b: Name of a link, or path of a component.
 
     Raises:
         click.BadParameter: A name matches nothing, or more than one component.
@@ -58,6 +56,13 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
         misses=misses,
         miss_places=tuple((_place(assembly, miss.line_a), _place(assembly, miss.line_b)) for miss in misses),
     )
+
+
+def component_axes(assembly: Assembly, component: Component) -> Iterator[tuple[AxisLine, str]]:
+    """The axis lines of a component, each with the origin that selects it."""
+    found = lines(axis_faces(assembly, [component.index]))
+    for line, selector in zip(found, selectors(found), strict=True):
+        yield line, f"{{axis_of: {quoted(component.path)}{selector}}}"
 
 
 def _radii(line: AxisLine, parts: Collection[int]) -> tuple[float, ...]:

@@ -7,17 +7,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import floor, log10
 
 from stepbot.assemble.axis_evidence import met
-from stepbot.diagnostics import one_line
+from stepbot.diagnostics import counted, one_line
 from stepbot.geometry.spatial import Vector3
 from stepbot.pipeline.stages import Inspection
 from stepbot.step.assembly import Assembly, Body, BodyKind, Component, Quantity
-from stepbot.step.features.axes import AxisLine, axis_faces, lines, millimetres, selectors
+from stepbot.step.features.axes import AxisLine, millimetres
 from stepbot.step.structure.paths import plain_name, quoted
 
 from .columns import aligned, cells, wrapped
 from .contents import Contents, contents
-from .diagnostic_text import counted, printable
-from .inspection_rows import Choice, Row, Rows, SharedAxes, listed
+from .diagnostic_text import printable
+from .inspection_rows import Choice, Row, Rows, SharedAxes, component_axes, listed
 
 _VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")
 _MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}
@@ -62,7 +62,8 @@ def inspection_text(
         for row, block in zip(rows.rows, blocks, strict=True):
             text += block
             if features:
-                text += _fitted((_INDENT + axis for axis in _component_axes(assembly, row.component)), width)
+                axes = component_axes(assembly, row.component)
+                text += _fitted((f"{_INDENT}{_described(line)}  origin: {origin}" for line, origin in axes), width)
     text += [*_fitted(_left_out(rows, choice), width), *_validations(assembly, verbose=verbose)]
     return printable("\n".join(text))
 
@@ -279,13 +280,6 @@ def _validations(assembly: Assembly, *, verbose: bool) -> list[str]:
 def _values(quantity: Quantity, values: tuple[float, ...]) -> str:
     factor = _MEASURES[quantity][1]
     return ", ".join(f"{round(value * factor, 9) + 0.0:.6g}" for value in values)
-
-
-def _component_axes(assembly: Assembly, component: Component) -> Iterator[str]:
-    """The axis lines of a component, each with the origin that selects it."""
-    found = lines(axis_faces(assembly, [component.index]))
-    for line, selector in zip(found, selectors(found), strict=True):
-        yield f"{_described(line)}  origin: {{axis_of: {quoted(component.path)}{selector}}}"
 
 
 def _described(line: AxisLine) -> str:

@@ -27,10 +27,7 @@ _SCHEMA_ID = b'"$id": "urn:stepbot:robot-1"'
 """What no file but the schema has: a sidecar is YAML of another form, and a STEP has no such line."""
 
 
-@click.group(
-    cls=Group,
-    epilog="Example: stepbot library export ur5e -o ur5e",
-)
+@click.group(cls=Group, epilog="Example: stepbot library export ur5e -o ur5e")
 def command() -> None:
     """List, show or export the bundled robots: STEP file, sidecar, and a page with the source of every number.
 
@@ -88,22 +85,13 @@ def show(name: str, as_json: bool) -> int:
     metavar="DIR",
     help="Output folder.  [default: name of the robot, in the current folder]",
 )
-@click.option(
-    "--source",
-    is_flag=True,
-    help="Write only the STEP file and the sidecar, for editing.",
-)
+@click.option("--source", is_flag=True, help="Write only the STEP file and the sidecar, for editing.")
 @no_verify_option
 @require_option
 @working_options
 @display_options
 def export(
-    options: "Options",
-    name: str,
-    formats: tuple[str, ...],
-    output: Path | None,
-    source: bool,
-    display: Display,
+    options: "Options", name: str, formats: tuple[str, ...], output: Path | None, source: bool, display: Display
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
     robot = _found(name)
@@ -121,7 +109,9 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
     help = ["choose another folder with -o DIR"]
     for name, content in files.items():
         path = folder / name
-        if exists(path) and not (is_file(path) and _is_replaceable(read_regular(path), content)):
+        old = read_regular(path) if is_file(path) else None
+        is_schema = old is not None and _SCHEMA_ID in old and _SCHEMA_ID in content  # of another version of stepbot
+        if exists(path) and old != content and not is_schema:
             found.add("SB004", "a different file with this name exists", Span(path.as_posix()), help=help)
     if not found.has_errors:
         try:
@@ -129,9 +119,8 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
             for name, content in files.items():
                 replace_file(folder / name, content)
         except OSError as error:
-            found.add(
-                "SB004", f"cannot write: {error.strerror or error}", Span(str(error.filename or folder)), help=help
-            )
+            message, place = f"cannot write: {error.strerror or error}", Span(str(error.filename or folder))
+            found.add("SB004", message, place, help=help)
     if display.json:
         written = [] if found.has_errors else sorted(files)
         return write_document({"output": folder.as_posix(), "files": written}, found)
@@ -143,11 +132,6 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
     return found.exit_code
 
 
-def _is_replaceable(old: bytes, new: bytes) -> bool:
-    """Whether a file has the content, or is a schema that another version of stepbot wrote."""
-    return old == new or (_SCHEMA_ID in old and _SCHEMA_ID in new)
-
-
 def _found(name: str) -> "LibraryRobot":
     from stepbot.runtime.robot_library import library_robot, library_robots
 
@@ -157,9 +141,8 @@ def _found(name: str) -> "LibraryRobot":
         robots = library_robots()
         same = [robot.name for robot in robots if robot.short_name == name]
         known = [*(robot.name for robot in robots), *(robot.short_name for robot in robots)]
-        remedy = (
-            " or ".join(same) or "".join(did_you_mean(name, known)) or "list all robots with `stepbot library list`"
-        )
+        near = " or ".join(same) or "".join(did_you_mean(name, known))
+        remedy = near or "list all robots with `stepbot library list`"
         raise click.BadParameter(f"unknown robot '{name}'; {remedy}", param_hint="NAME") from None
 
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, counted
 from stepbot.runtime.file import is_folder, resolved
 
 from .command import PATH, Command, display_options, ignore_option
-from .diagnostic_text import counted, printable
+from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import reading_options, reject_descriptions, report_trouble, variant_option
 from .terminal import Display, show_diagnostics, write_document, write_result
@@ -20,22 +20,14 @@ if TYPE_CHECKING:
     from stepbot.revisions.snapshot import Snapshot
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot lock arm.robot.yaml",
-)
+@click.command(cls=Command, epilog="Example: stepbot lock arm.robot.yaml")
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=PATH)
 @click.option("--step", type=PATH, metavar="FILE", help="STEP file, instead of the one in SIDECAR.")
 @ignore_option
 @reading_options
 @variant_option
 @display_options
-def command(
-    options: "Options",
-    sidecars: tuple[Path, ...],
-    step: Path | None,
-    display: Display,
-) -> int:
+def command(options: "Options", sidecars: tuple[Path, ...], step: Path | None, display: Display) -> int:
     """Write `<robot>.lock.json` beside each sidecar: shape, pose and mass of each component, axis of each joint.
 
     After a CAD change, `check --step` and `convert` compare the STEP file with it and report what was renamed, moved,

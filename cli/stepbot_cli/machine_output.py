@@ -40,8 +40,8 @@ def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
 
 _GITHUB = {"error": "error", "warning": "warning", "note": "notice"}
 _GITLAB = {"error": "major", "warning": "minor", "note": "info"}
-_IN_MESSAGE = {"%": "%25", "\r": "%0D", "\n": "%0A"}
-_IN_PROPERTY = {**_IN_MESSAGE, ":": "%3A", ",": "%2C"}
+_IN_MESSAGE = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A"})
+_IN_PROPERTY = _IN_MESSAGE | str.maketrans({":": "%3A", ",": "%2C"})
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -127,12 +127,8 @@ def _command(one: Diagnostic) -> str:
             place["col"] = str(one.span.column)
         if one.span.end_column:
             place["endColumn"] = str(one.span.end_column)
-    properties = ",".join(f"{name}={_escaped(value, _IN_PROPERTY)}" for name, value in place.items())
-    return f"::{_GITHUB[one.severity]} {properties}::{_escaped(_text(one), _IN_MESSAGE)}"
-
-
-def _escaped(text: str, characters: dict[str, str]) -> str:
-    return "".join(characters.get(character, character) for character in text)
+    properties = ",".join(f"{name}={value.translate(_IN_PROPERTY)}" for name, value in place.items())
+    return f"::{_GITHUB[one.severity]} {properties}::{_text(one).translate(_IN_MESSAGE)}"
 
 
 def _text(one: Diagnostic) -> str:

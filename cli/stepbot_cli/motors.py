@@ -8,7 +8,7 @@ import click
 
 from .columns import table_lines
 from .command import PATH, Command, json_option
-from .terminal import screen_width, write_json, write_result
+from .terminal import screen_width, show_diagnostics, write_document, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.sidecar.motor_sections import MotorSection
@@ -59,12 +59,9 @@ def command(name: str | None, own: Path | None, as_json: bool) -> int:
     found = Diagnostics()
     mine = read_own_motors(own, found) if own is not None else {}
     if mine is None or found.has_errors:
-        from .terminal import Display, show_diagnostics
-
         if as_json:
-            write_json({"motors": {}, "diagnostics": found, "exit_code": found.exit_code})
-        else:
-            show_diagnostics(found, Display(False, False, False))
+            return write_document({"motors": {}}, found)
+        show_diagnostics(found)
         return found.exit_code
     if name is None:
         shown = {**mine, **{one: catalogue_motor(one) for one in catalogue_names() if one not in mine}}
@@ -114,15 +111,10 @@ def _lines(name: str, motor: "MotorSection") -> list[str]:
         for key, one in motor.figures().items()
     ]
     for at in motor.at_other_voltages:
-        given = (
-            ("stall_torque", at.stall_torque),
-            ("no_load_speed", at.no_load_speed),
-            ("rated_speed", at.rated_speed),
-        )
         rows += [
             (f"{key} at {at.voltage:g} V", f"{_text(one.value)} {_unit(key)}", at.source or motor.source or "")
-            for key, one in given
-            if one is not None
+            for key in ("stall_torque", "no_load_speed", "rated_speed")
+            if (one := getattr(at, key)) is not None
         ]
     lines += ["", *table_lines(rows, width)]
     if motor.alternatives:

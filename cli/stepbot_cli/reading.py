@@ -57,12 +57,6 @@ folder_option = click.option(
 )
 
 
-def cache_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options for the cache."""
-    off = click.option("--no-cache", is_flag=True, envvar="STEPBOT_NO_CACHE", help="Disable the cache.")
-    return folder_option(off(command))
-
-
 def opened(folder: Path | None, off: bool = False) -> Cache | None:
     """The cache selected by the options; None if disabled."""
     if off:
@@ -198,7 +192,8 @@ def working_options(command: Callable[..., int]) -> Callable[..., int]:
         fields = {name: others.pop(name) for name in _FIELDS if name in others}
         return command(options=Options(output=Path(), cache=opened(cache, no_cache), **fields), **others)
 
-    return limit_options(cache_options(with_options))
+    off = click.option("--no-cache", is_flag=True, envvar="STEPBOT_NO_CACHE", help="Disable the cache.")
+    return limit_options(folder_option(off(with_options)))
 
 
 def variant_option(command: Callable[..., int]) -> Callable[..., int]:
@@ -287,11 +282,7 @@ def _density(text: str | None) -> float:
 
 
 def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
-    """Reject an option or a command that applies to sidecars alone.
-
-    Args:
-        what: The option or command, for the message.
-        paths: What it was given for.
+    """Reject an option or a command, ``what``, that applies to sidecars alone.
 
     Raises:
         click.UsageError: One of the files is a URDF, SDFormat or MJCF.

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from math import degrees, radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,41 +27,25 @@ if TYPE_CHECKING:
 
 
 def checked_picture_name(context: click.Context, option: click.Parameter, path: Path | None) -> Path | None:  # noqa: ARG001
-    """The path of a PNG file.
-
-    Raises:
-        click.BadParameter: Another suffix.
-    """
+    """The path of a PNG file; another suffix is a usage error."""
     if path is not None and path.suffix.lower() != ".png":
         raise click.BadParameter(f"'{path.name}' is not a PNG file; choose a name that ends in .png")
     return path
 
 
 def require_packages() -> None:
-    """Import what drawing needs, before a long STEP file is read.
-
-    Raises:
-        ModuleNotFoundError: A package of the extra ``render`` is missing.
-    """
-    import importlib
-
+    """Import what drawing needs, so that a missing package ends the command before a long STEP file is read."""
     from stepbot.pictures.picture import PACKAGES
 
     for package in PACKAGES:
-        importlib.import_module(package)
+        import_module(package)
 
 
 def require_plots() -> None:
-    """Import what plots need.
-
-    Raises:
-        ModuleNotFoundError: The package of the extra ``draw`` is missing.
-    """
-    import importlib
-
+    """The same for plots."""
     from stepbot.driving.plots import PACKAGE
 
-    importlib.import_module(PACKAGE)
+    import_module(PACKAGE)
 
 
 def write_picture(path: Path, picture: "Picture", found: Diagnostics) -> None:
@@ -177,7 +162,6 @@ def _size(context: click.Context, option: click.Parameter, text: str) -> tuple[i
 
 
 def _view(context: click.Context, option: click.Parameter, text: str) -> "View":  # noqa: ARG001
-    from stepbot.diagnostics import did_you_mean
     from stepbot.pictures.camera import VIEWS, View
 
     if text in VIEWS:
@@ -185,19 +169,15 @@ def _view(context: click.Context, option: click.Parameter, text: str) -> "View":
     try:
         azimuth, elevation = map(float, text.split(","))
     except ValueError:
-        remedy = (
-            "".join(did_you_mean(text, VIEWS)) or f"choose from {', '.join(VIEWS)}, or azimuth,elevation in degrees"
-        )
+        near = "".join(did_you_mean(text, VIEWS))
+        remedy = near or f"choose from {', '.join(VIEWS)}, or azimuth,elevation in degrees"
         raise click.BadParameter(f"unknown view '{text}'; {remedy}") from None
     if not (abs(azimuth) <= 360.0 and abs(elevation) <= 90.0):
         raise click.BadParameter(f"'{text}': the azimuth is up to 360, the elevation up to 90 degrees")
     return View(azimuth, elevation)
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot render arm.robot.yaml --joint elbow=30deg -o arm.png",
-)
+@click.command(cls=Command, epilog="Example: stepbot render arm.robot.yaml --joint elbow=30deg -o arm.png")
 @click.argument("target", metavar="TARGET", type=PATH)
 @click.option(
     "-o",
@@ -270,12 +250,7 @@ def command(
 
 
 def _subject(
-    target: Path,
-    options: "Options",
-    joints: tuple[str, ...],
-    module: str | None,
-    found: Diagnostics,
-    progress: Any,
+    target: Path, options: "Options", joints: tuple[str, ...], module: str | None, found: Diagnostics, progress: Any
 ) -> tuple["Subject | None", dict[str, str]]:
     """What to draw, and the positions of the joints in words; None after errors."""
     from stepbot.pipeline.picturing import assembly_to_draw, robot_to_draw
@@ -286,7 +261,7 @@ def _subject(
     if module is not None:
         raise click.BadParameter("a STEP file has no modules; give a sidecar", param_hint="--module")
     if joints:
-        raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint="--joint")
+        raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint=_HINT)
     progress("read")
     return assembly_to_draw(target, options, found), {}
 
@@ -304,10 +279,8 @@ def _robot_subject(
         q = posed(robot, read_positions(robot, joints))
     except NotReached as error:
         ends = ", ".join(f"{name}={position_words(names[name], value)}" for name, value in error.reached.items())
-        raise click.BadParameter(
-            f"the loops or the limits of other joints stop the mechanism on its way there, at {ends}",
-            param_hint="--joint",
-        ) from None
+        message = f"the loops or the limits of other joints stop the mechanism on its way there, at {ends}"
+        raise click.BadParameter(message, param_hint=_HINT) from None
     links = None if module is None else _links_of_module(robot, module)
     return robot_subject(robot, q, links), {name: position_words(names[name], value) for name, value in q.items()}
 

@@ -11,10 +11,7 @@ FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
 """File names of sidecars."""
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot schema > robot-1.schema.json",
-)
+@click.command(cls=Command, epilog="Example: stepbot schema > robot-1.schema.json")
 @click.option("--vscode", is_flag=True, help="Print VS Code settings that apply the schema to all sidecars.")
 @click.option("--motors", is_flag=True, help="Print the schema of a file of motors of your own.")
 def command(vscode: bool, motors: bool) -> int:

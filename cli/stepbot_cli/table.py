@@ -38,7 +38,7 @@ def show_table(report: "Results") -> None:
 def _table(rows: Sequence["Row"], width: int | None, color: bool) -> list[str]:
     texts = [_HEADINGS, *map(_cells, rows)]
     if all(row.against == _MODEL for row in rows):  # then the name is omitted
-        texts = [_without_against(cells) for cells in texts]
+        texts = [(*cells[:3], *cells[4:]) for cells in texts]
     return status_lines(texts, [row.status.value for row in rows], width, color)
 
 
@@ -73,10 +73,6 @@ def _cells(row: "Row") -> tuple[str, ...]:
     )
 
 
-def _without_against(cells: tuple[str, ...]) -> tuple[str, ...]:
-    return (*cells[:3], *cells[4:])
-
-
 def _deviation(check: "Check | None") -> str:
     """The deviation that is largest relative to its tolerance, the tolerance, and the place."""
     if check is None or check.deviation is None:
@@ -105,13 +101,16 @@ def _remarks(report: "Results", rows: Sequence["Row"], width: int) -> list[str]:
     return [*lines, *filled(f"{len(statuses)} checks: {counts}", width)]
 
 
-def filled(text: str, width: int | None) -> list[str]:
-    """``text`` in lines of ``width`` columns, those after the first indented; None for one line."""
+def filled(text: str, width: int | None, indent: str = "") -> list[str]:
+    """``text`` in lines of ``width`` columns, those after the first indented farther; None for one line."""
     if width is None:
-        return [text]
+        return [indent + text]
     import textwrap
 
-    return textwrap.wrap(text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    below = f"{indent}{_INDENT}"
+    return textwrap.wrap(
+        text, width, initial_indent=indent, subsequent_indent=below, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def write_filled(*paragraphs: str) -> None:
@@ -131,34 +130,14 @@ def show_joint_rows(rows: Sequence["JointRow"]) -> None:
 
 
 def joint_lines(rows: Sequence["JointRow"], width: int) -> list[str]:
-    """The joint table as lines, with all evidence.
-
-    Args:
-        width: Width of the screen, at least 60; only a word longer than a line exceeds it.
-    """
+    """The joint table as lines of at least 60 columns, with all evidence; only a longer word exceeds the width."""
     from stepbot.report.words import joint_table_title, joint_words, weak_joints
 
     width, lines = max(width, _NARROWEST), [joint_table_title(rows)]
     for row in rows:
         head, *details = map(printable, joint_words(row))
-        lines += _wrapped(head, width)
+        lines += filled(head, width)
         for text in details:
-            lines += _wrapped(text, width, _INDENT)
+            lines += filled(text, width, _INDENT)
     weak = weak_joints(rows)
-    return lines + (_wrapped(printable(weak), width) if weak else [])
-
-
-def _wrapped(text: str, width: int, indent: str = "") -> list[str]:
-    line = f"{indent}{text}".rstrip()
-    if len(line) <= width and "\n" not in line:
-        return [line]
-    import textwrap
-
-    return textwrap.wrap(
-        text,
-        width,
-        initial_indent=indent,
-        subsequent_indent=f"{indent}{_INDENT}",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    return lines + (filled(printable(weak), width) if weak else [])

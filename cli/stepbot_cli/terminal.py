@@ -60,11 +60,7 @@ def write_json(document: Mapping[str, Any]) -> None:
 
 
 def write_document(document: Mapping[str, Any], found: Diagnostics, exit_code: int | None = None) -> int:
-    """Print the results of a command as JSON, with its diagnostics and exit code; returns that.
-
-    Args:
-        exit_code: The exit code; None for that of the diagnostics.
-    """
+    """Print the results of a command as JSON, with its diagnostics and the exit code, by default theirs; returns it."""
     code = found.exit_code if exit_code is None else exit_code
     write_json({**document, "diagnostics": found, "exit_code": code})
     return code
@@ -98,11 +94,7 @@ _DEFAULT = Display()
 
 
 def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *, as_result: bool = False) -> None:
-    """Print diagnostics, and the number of each severity.
-
-    Args:
-        as_result: Whether they are the command's result, and go to standard output.
-    """
+    """Print diagnostics and their numbers, to standard output if they are the command's result."""
     diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]
     if display.machine:
         from .machine_output import FORMATS

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, counted
 from stepbot.runtime.file import is_folder, resolved
 
-from .command import PATH, Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option, usage_errors
 from .convert import (
     again_format_option,
     for_option,
@@ -28,10 +28,7 @@ if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot uptodate arm.robot.yaml -o arm",
-)
+@click.command(cls=Command, epilog="Example: stepbot uptodate arm.robot.yaml -o arm")
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=PATH)
 @click.option(
     "-o",
@@ -94,15 +91,13 @@ def command(
         return write_document({"files": [path.as_posix() for path in paths]}, found)
     show_diagnostics(found, display, as_result=True)
     if display.shows_results and not found.has_errors:
-        write_result(f"ok: {compared} output folder{'' if compared == 1 else 's'} up to date")
+        write_result(f"ok: {counted(compared, 'output folder')} up to date")
     return found.exit_code
 
 
 def _folder(template: str, name: str, sidecar: Path) -> Path:
     from stepbot.jobs.discovery import output_folder
 
-    try:
+    with usage_errors():
         folder = output_folder(template, name, sidecar)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from None
     return folder / name if is_folder(folder / name) else folder  # as `batch` writes several into one folder

@@ -14,10 +14,7 @@ from .table import show_joint_rows, show_table, write_filled
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco",
-)
+@click.command(cls=Command, epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco")
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=PATH)
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @require_option

@@ -24,10 +24,7 @@ if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot view arm.robot.yaml",
-)
+@click.command(cls=Command, epilog="Example: stepbot view arm.robot.yaml")
 @click.argument("target", metavar="TARGET", type=PATH)
 @click.option(
     "--edit", is_flag=True, help="Edit the sidecar in the page; a STEP file or description without one gets one."
@@ -47,14 +44,7 @@ if TYPE_CHECKING:
 @variant_option
 @package_path_option
 @display_options
-def command(
-    options: "Options",
-    target: Path,
-    edit: bool,
-    no_open: bool,
-    port: int,
-    display: Display,
-) -> int:
+def command(options: "Options", target: Path, edit: bool, no_open: bool, port: int, display: Display) -> int:
     """Show a robot in a browser: links, joints to move, masses, collision shapes, verification.
 
     TARGET is a sidecar, a STEP file, or any URDF, SDFormat or MJCF file.

@@ -11,7 +11,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import is_file
 
-from .command import PATH, Command, display_options
+from .command import PATH, Command, display_options, usage_errors
 from .diagnostic_text import printable
 from .limits import interruptible
 from .progress import progress_bar
@@ -24,10 +24,7 @@ if TYPE_CHECKING:
     from stepbot.serving.session import Session
 
 
-@click.command(
-    cls=Command,
-    epilog="Example: stepbot watch arm.robot.yaml -o arm",
-)
+@click.command(cls=Command, epilog="Example: stepbot watch arm.robot.yaml -o arm")
 @click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=PATH)
 @click.option(
     "-o",
@@ -40,11 +37,7 @@ if TYPE_CHECKING:
 @working_options
 @display_options
 def command(
-    options: "Options",
-    sidecars: tuple[Path, ...],
-    output: Path | None,
-    no_open: bool,
-    display: Display,
+    options: "Options", sidecars: tuple[Path, ...], output: Path | None, no_open: bool, display: Display
 ) -> int:
     """Show the robots of sidecars in a browser. Each save of a sidecar or its STEP file shows and verifies them again.
 
@@ -110,10 +103,8 @@ def _sessions(
     for path in sidecars:
         if not is_file(path):
             report_missing(path, found)
-    try:
+    with usage_errors():
         tasks = plan(sidecars, output or Path(), found)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from None
     if found.has_errors:
         return []
     folders = [output or Path()] if len(tasks) == 1 else [task.output for task in tasks]
