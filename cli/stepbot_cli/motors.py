@@ -13,31 +13,6 @@ from .terminal import screen_width, show_diagnostics, write_document, write_json
 if TYPE_CHECKING:
     from stepbot.sidecar.motor_sections import MotorSection
 
-_UNITS = {
-    "voltage": "V",
-    "max_force": "N",
-    "backdrive_force": "N",
-    "no_load_speed": "rad/s",
-    "rated_speed": "rad/s",
-    "no_load_linear_speed": "m/s",
-    "gear_ratio": "",
-    "armature": "kg m^2",
-    "rotor_inertia": "kg m^2",
-    "viscous_damping": "N m s/rad",
-    "back_emf_damping": "N m s/rad",
-    "position_gain": "N m/rad",
-    "torque_constant": "N m/A",
-    "torque_constant_motor": "N m/A",
-    "winding_resistance": "ohm",
-    "stall_current": "A",
-    "backlash": "rad",
-    "mass": "kg",
-    "size": "m",
-    "diameter": "m",
-    "length": "m",
-    "mass_by_stroke": "m, kg",
-}
-"""Unit of each figure; of all others, N m."""
 _EFFORTS = ("stall_torque", "peak_torque", "holding_torque", "rated_torque", "max_force")
 _SPEEDS = ("no_load_speed", "rated_speed", "no_load_linear_speed")
 """Figures in a list, the first that is known."""
@@ -93,7 +68,7 @@ def _chosen(name: str, mine: "dict[str, MotorSection]") -> "dict[str, MotorSecti
 def _row(name: str, motor: "MotorSection") -> tuple[str, ...]:
     figures = motor.figures()
     effort, speed = (next((one for one in fields if one in figures), "") for fields in (_EFFORTS, _SPEEDS))
-    cells = [f"{figures[one].value:.4g} {_unit(one)}" if one else "-" for one in (effort, speed)]
+    cells = [f"{figures[one].value:.4g} {motor.unit_of(one)}" if one else "-" for one in (effort, speed)]
     supply = f"{figures['voltage'].value:g} V" if "voltage" in figures else "-"
     return (name, motor.maker or "", motor.kind.value.replace("_", " "), supply, *cells)
 
@@ -107,25 +82,23 @@ def _lines(name: str, motor: "MotorSection") -> list[str]:
     if motor.family:
         lines.append(f"family, which several motors share: {', '.join(motor.family)}")
     rows = [
-        (key, f"{_text(one.value)} {_unit(key)}{f' at {one.voltage:g} V' if one.voltage else ''}", one.source)
+        (key, f"{_text(one.value)} {motor.unit_of(key)}{f' at {one.voltage:g} V' if one.voltage else ''}", one.source)
         for key, one in motor.figures().items()
     ]
     for at in motor.at_other_voltages:
         rows += [
-            (f"{key} at {at.voltage:g} V", f"{_text(one.value)} {_unit(key)}", at.source or motor.source or "")
+            (f"{key} at {at.voltage:g} V", f"{_text(one.value)} {motor.unit_of(key)}", at.source or motor.source or "")
             for key in ("stall_torque", "no_load_speed", "rated_speed")
             if (one := getattr(at, key)) is not None
         ]
     lines += ["", *table_lines(rows, width)]
     if motor.alternatives:
-        others = [(one.field, f"{_text(one.value)} {_unit(one.field)}", one.source) for one in motor.alternatives]
+        others = [
+            (one.field, f"{_text(one.value)} {motor.unit_of(one.field)}", one.source) for one in motor.alternatives
+        ]
         lines += ["", "other sources, which are never filled in:", *table_lines(others, width)]
     lines += [f"doubt: {key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items()]
     return [*lines, *([f"note: {motor.note}"] if motor.note else [])]
-
-
-def _unit(key: str) -> str:
-    return _UNITS.get(key, "N m" if "torque" in key or "friction" in key else "")
 
 
 def _text(value: object) -> str:

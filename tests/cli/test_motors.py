@@ -163,3 +163,9 @@ def test_a_motor_for_a_joint_of_a_module_has_a_remedy(file: str, remedy: str, tm
     assert run.code == 1
     assert "SB148" in run.err + run.out
     assert remedy in run.err + run.out
+
+
+def test_play_of_a_linear_drive_is_a_length(stepbot: Stepbot) -> None:
+    """The backlash of a linear drive is in metres, that of a servo in radians."""
+    assert re.search(r"^backlash +0\.00025 m  ", stepbot("motors", "L16-35").out, re.MULTILINE)
+    assert re.search(r"^backlash +\S+ rad  ", stepbot("motors", "XM430-W350").out, re.MULTILINE)

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from enum import StrEnum
 from functools import partial
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from msgspec import Struct
 from pydantic import Field, PlainValidator, Tag, WithJsonSchema
@@ -143,7 +143,7 @@ MotorLength = Annotated[Figure, _quantity(units.LENGTH)]
 Volts = Annotated[Figure, _Reads(lambda value: _electrical(value, ("V",)), "V", "12 V")]
 Amperes = Annotated[Figure, _Reads(lambda value: _electrical(value, ("A",)), "A", "1.4 A")]
 Ohms = Annotated[Figure, _Reads(lambda value: _electrical(value, _OHM), "ohm", "2.7 ohm")]
-TorqueConstant = Annotated[Figure, _quantity(units.RATIO)]
+TorqueConstant = Annotated[Figure, _Reads(lambda value: _number(value, units.RATIO), "N*m/A", 1.8)]
 Size = Annotated[Figure, _Reads(_lengths, "m", ["28.5 mm", "46.5 mm", "34 mm"])]
 Strokes = Annotated[Figure, _Reads(_strokes, "m, kg", [["50 mm", "56 g"]])]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
@@ -271,6 +271,15 @@ class MotorSection(Section):
             for name, value in given
             if isinstance(value, Figure)
         }
+
+    def unit_of(self, key: str) -> str:
+        """The unit of the figure at a key, ``N m``; empty for a ratio, and for a key without a figure."""
+        field = type(self).model_fields.get(key)
+        members = get_args(field.annotation) if field is not None else ()  # of the figure, or None
+        unit = next((one.unit for member in members for one in get_args(member) if isinstance(one, _Reads)), "1")
+        turning, _, sliding = unit.partition(" or ")
+        unit = sliding or turning if self.kind is MotorKind.LINEAR else turning
+        return "" if unit == "1" else unit.replace("*", " ")
 
 
 MotorFile = Annotated[str, Field(min_length=1, max_length=4000, pattern=r"\.(yaml|yml|json)$")]
