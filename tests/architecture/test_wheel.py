@@ -124,7 +124,7 @@ def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
 def test_wheel_names_the_command_and_the_licence(wheel: zipfile.ZipFile) -> None:
     """The wheel declares the command ``stepbot`` and contains the licence."""
     metadata = {name.partition(".dist-info/")[2]: name for name in wheel.namelist() if ".dist-info/" in name}
-    assert b"stepbot = stepbot_cli:main" in wheel.read(metadata["entry_points.txt"])
+    assert b"stepbot = stepbot_cli:command" in wheel.read(metadata["entry_points.txt"])
     assert b"Apache License" in wheel.read(metadata["licenses/LICENSE"])
 
 
