@@ -9,6 +9,9 @@ from stepbot.step.structure.paths import quoted
 
 RIVALS = 5
 """Maximum number of other lines in a record."""
+_OFF_CENTRE = "a ball joint turns about the centre of its ball, and this is the middle of the faces on the line"
+CENTRE = ("give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it",)
+"""Remedy for a ball joint without a stated centre."""
 
 
 def evidence_of(
@@ -21,6 +24,7 @@ def evidence_of(
     radius: float | None = None,
     confirmed: bool = True,
     direction_only: bool = False,
+    is_ball: bool = False,
 ) -> Evidence:
     """Describe how a frame on a line was found.
 
@@ -29,6 +33,7 @@ def evidence_of(
         radius: The radius [m] that it was selected by; None if by none.
         confirmed: Whether a selection is that of a person: if not, weak evidence for it stays a doubt.
         direction_only: Whether parallel lines are equivalent.
+        is_ball: Whether the line is to give the centre of a ball joint.
     """
     parts = ", ".join(quoted(path(index)) for index in line.components)
     others = [one for one in found if one is not line and not (direction_only and is_parallel(one, line))]
@@ -40,7 +45,7 @@ def evidence_of(
         selected,
         tuple(_side(face, path) for face in faces_of_radius(line, radius)),
         tuple(_rival(other, line) for other in others[:RIVALS]),
-        "" if selected and confirmed else doubt(line, others),
+        "" if selected and confirmed else doubt(line, others) or _OFF_CENTRE * is_ball,
     )
 
 

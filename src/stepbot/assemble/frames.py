@@ -42,7 +42,7 @@ from stepbot.step.features.axes import (
 )
 from stepbot.step.structure.paths import quoted
 
-from .axis_evidence import described, evidence_of, radii_of
+from .axis_evidence import CENTRE, described, evidence_of, radii_of
 from .binder import Binder, listed
 from .claims import Claims
 
@@ -63,6 +63,8 @@ class Wanted(Struct, frozen=True):
     """Whether parallel lines are equivalent, as for a prismatic joint."""
     is_rigid: bool = False
     """Whether any frame will do, as for a fixed joint."""
+    is_ball: bool = False
+    """Whether the place on a line matters, too."""
 
     @property
     def link_words(self) -> tuple[str, str]:
@@ -110,8 +112,8 @@ class Frames:
 
     def _child_frame(self, name: str) -> Pose | None:
         joint = self._binder.document.joints[name]
-        slides, rigid = joint.type is JointKind.PRISMATIC, joint.type is JointKind.FIXED
-        wanted = Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides, rigid)
+        kinds = [joint.type is kind for kind in (JointKind.PRISMATIC, JointKind.FIXED, JointKind.BALL)]
+        wanted = Wanted(("joints", name, "origin"), (joint.parent, joint.child), *kinds)
         X_WJ = self.resolve(joint.origin, wanted)
         self._joints[name] = X_WJ
         if X_WJ is None:
@@ -181,8 +183,7 @@ class Frames:
         if index is None:
             return None
         found = lines(self._component_faces(index), origin.radius)
-        selected = origin.radius is not None
-        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
+        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
         if choice.line is not None:
             return self._on(choice.line, found, "axis", origin, wanted)
         start = f"{{axis_of: {quoted(origin.axis_of)}"
@@ -246,8 +247,7 @@ class Frames:
     ) -> Pose | None:
         """The frame on a line shared by two sides."""
         found = mates(a, b, origin.radius)
-        selected = origin.radius is not None
-        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=selected)
+        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
         if choice.line is not None:
             pose = self._on(choice.line, found, f"axis that {words[0]} and {words[1]} share", origin, wanted)
             self._report_doubt(wanted, choice.line, found, start)
@@ -282,6 +282,7 @@ class Frames:
             radius=origin.radius,
             confirmed=not self._is_draft(wanted.keys),
             direction_only=wanted.direction_only,
+            is_ball=wanted.is_ball and origin.offset is None,
         )
         return line_frame(line)
 
@@ -317,11 +318,12 @@ class Frames:
         """Report lines with faces of both sides that do not touch."""
         lines = choice.rivals
         several = f"{len(lines)} lines" if len(lines) > 1 else "one line"
+        remedies = tuple(f"origin: {start}{selector(line, found)}}}" for line in lines)
         self._binder.report(
             "SB406",
             wanted.keys,
             f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no touching faces",
-            help=listed(tuple(f"origin: {start}{selector(line, found)}}}" for line in lines)),
+            help=(*CENTRE[: wanted.is_ball], *listed(remedies)),
             notes=listed(tuple(described(line, self._binder.path) for line in lines)),
         )
 
@@ -333,6 +335,7 @@ class Frames:
         others = [other for other in found if other is not line and other.basis is not Basis.APART]
         shown = [line, *others[:_SHOWN_MISSES]]
         remedies = [f"origin: {start}{selector(one, found)}}}" for one in (shown[1:] if evidence.selected else shown)]
+        remedies[:0] = CENTRE[: wanted.is_ball]
         if self._is_draft(wanted.keys):
             confirm = "its origin is right" if evidence.selected else "one of these is right and in the sidecar"
             remedies.insert(0, f"if {confirm}, remove the REVIEW comment of the draft above it")

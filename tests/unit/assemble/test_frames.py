@@ -242,6 +242,18 @@ def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadD
     assert made.joint_table[0].evidence.doubt == words
 
 
+def test_the_centre_of_a_ball_on_a_line_is_doubted(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A line does not state the centre of a ball: a warning, unless the sidecar selects it or gives an offset."""
+    shop = _two([axis((0, 0, 0), radius=5, length=4)], [axis((0, 0, 1), radius=5, length=4, bore=False)])
+    assert build(shop, tmp_path, _joint("auto", "ball"), found) is not None
+    (doubt,) = found
+    words = "a ball joint turns about the centre of its ball, and this is the middle of the faces on the line"
+    assert (doubt.code, doubt.message) == ("SB407", f"joint 'j': weak evidence for its axis: {words}")
+    assert doubt.help[0] == "give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it"
+    for chosen in ("{auto: true, offset: {xyz: [0, 0, 2 mm]}}", "{auto: true, radius: 5 mm}"):
+        built(shop, tmp_path, _joint(chosen, "ball"))
+
+
 def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A radius that a draft wrote counts as a choice once the REVIEW comment is gone; the evidence names its face."""
     base = [axis((0, 0, 0), radius=1.1, length=4), axis((0, 0, 40), radius=8, bore=False), axis((20, 0, 0))]
