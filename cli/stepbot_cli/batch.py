@@ -11,14 +11,14 @@ import click
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, counted
 
-from .columns import aligned
 from .command import PATH, Command, display_options, ignore_option, usage_errors
 from .convert import again_format_option, for_option, formats_with, html_option, no_verify_option, strict_option
-from .diagnostic_text import paint, printable
+from .diagnostic_text import printable
 from .limits import interruptible
 from .machine_output import junit_option, write_junit
 from .progress import bar, shown
 from .reading import description_options, reading_options, reject_descriptions, require_option
+from .table import RESULT, status_lines
 from .terminal import Display, show_diagnostics, wants_color, write_document, write_result
 
 if TYPE_CHECKING:
@@ -201,19 +201,12 @@ def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, dis
 def _table(outcomes: "Sequence[Outcome]") -> list[str]:
     from stepbot.jobs.batch.summary import check_counts
 
-    color = wants_color(sys.stdout)
-    rows = []
+    texts = [("robot", RESULT, "checks", "warnings", "seconds")]
     for outcome in outcomes:
         checks = check_counts(outcome)
         warnings = sum(one.severity == "warning" for one in outcome.diagnostics)
         passed = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in checks.items() if count) or "-"
         seconds = f"{outcome.seconds:.1f}" if outcome.seconds else "-"
-        rows.append((printable(outcome.task.name), outcome.status.value, passed, str(warnings or "-"), seconds))
-    head, *body = aligned([("robot", "result", "checks", "warnings", "seconds"), *rows])
-    if color:
-        words = [outcome.status.value for outcome in outcomes]
-        body = [
-            line.replace(f"  {word}", f"  {paint(word, _COLORS[word], True)}", 1)
-            for line, word in zip(body, words, strict=True)
-        ]
-    return [paint(head, "1", color), *body]
+        texts.append((printable(outcome.task.name), outcome.status.value, passed, str(warnings or "-"), seconds))
+    statuses = [outcome.status.value for outcome in outcomes]
+    return status_lines(texts, statuses, None, wants_color(sys.stdout), _COLORS)

@@ -27,7 +27,6 @@ def command() -> None:
 def info(cache: Path | None, as_json: bool) -> int:
     """Print the folder, number of entries, size and size limit."""
     kept = opened(cache)
-    assert kept is not None  # not disabled
     usage = kept.usage()
     if as_json:
         write_json(
@@ -45,7 +44,6 @@ def info(cache: Path | None, as_json: bool) -> int:
 def clear(cache: Path | None, as_json: bool) -> int:
     """Remove all cache entries. Other files in the folder are kept."""
     kept = opened(cache)
-    assert kept is not None  # not disabled
     removed = kept.clear()
     if as_json:
         write_json({"folder": kept.folder.as_posix(), "entries": removed.entries, "size": removed.size})

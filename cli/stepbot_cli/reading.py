@@ -57,10 +57,8 @@ folder_option = click.option(
 )
 
 
-def opened(folder: Path | None, off: bool = False) -> Cache | None:
-    """The cache selected by the options; None if disabled."""
-    if off:
-        return None
+def opened(folder: Path | None) -> Cache:
+    """The cache in a folder, by default that of the user, with the limit of the environment."""
     limit = size(os.environ[SIZE_VARIABLE]) if os.environ.get(SIZE_VARIABLE) else DEFAULT_LIMIT
     return Cache(folder or default_folder(), limit)
 
@@ -190,7 +188,7 @@ def working_options(command: Callable[..., int]) -> Callable[..., int]:
         from stepbot.pipeline.conversion import Options
 
         fields = {name: others.pop(name) for name in _FIELDS if name in others}
-        return command(options=Options(output=Path(), cache=opened(cache, no_cache), **fields), **others)
+        return command(options=Options(output=Path(), cache=None if no_cache else opened(cache), **fields), **others)
 
     off = click.option("--no-cache", is_flag=True, envvar="STEPBOT_NO_CACHE", help="Disable the cache.")
     return limit_options(folder_option(off(with_options)))

@@ -1,7 +1,7 @@
 """Tables: verification results, one line per file and engine; joints, with their position and its evidence."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from .columns import wrapped_rows
@@ -42,7 +42,13 @@ def _table(rows: Sequence["Row"], width: int | None, color: bool) -> list[str]:
     return status_lines(texts, [row.status.value for row in rows], width, color)
 
 
-def status_lines(texts: Sequence[Sequence[str]], statuses: Sequence[str], width: int | None, color: bool) -> list[str]:
+def status_lines(
+    texts: Sequence[Sequence[str]],
+    statuses: Sequence[str],
+    width: int | None,
+    color: bool,
+    colors: Mapping[str, str] = STATUS_COLORS,
+) -> list[str]:
     """A table as lines: the headings bold, each result in its colour.
 
     Args:
@@ -56,7 +62,7 @@ def status_lines(texts: Sequence[Sequence[str]], statuses: Sequence[str], width:
         for cells in of_row:
             word = cells[result].rstrip()
             blanks = cells[result][len(word) :]
-            cells[result] = paint(word, STATUS_COLORS[status], color and bool(word)) + blanks
+            cells[result] = paint(word, colors[status], color and bool(word)) + blanks
             lines.append("  ".join(cells).rstrip())
     return lines
 

@@ -68,31 +68,17 @@ def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
     return Edited(replace(base, path=sidecar.path, text=sidecar.text, root=root), own, module, source)
 
 
-def require_fit(view: Edited, question: Json) -> None:
-    """Check that an edit is one of values, if the robot is that of a description.
-
-    Raises:
-        Refused: It changes the tree of links.
-    """
+def require_editable(view: Edited, robot: Robot | None, question: Json) -> None:
+    """Refuse edits of a description's tree of links, and of elements of a module, whose own file is named."""
     edits = question.get("edits")
     for one in edits if isinstance(edits, list) else [question]:
         if view.module and isinstance(one, dict) and one.get("action") in _STAY:
             raise Refused(f"the tree of links is that of '{view.source}', which stays as it is")
-
-
-def require_own(sidecar: Sidecar, robot: Robot | None, question: Json) -> None:
-    """Check that an edit is about elements of the file, and not about those of a module that it composes.
-
-    Raises:
-        Refused: With the file that has the element.
-    """
-    edits = question.get("edits")
-    for one in edits if isinstance(edits, list) else [question]:
         for section, name in _subjects(one):
-            own = getattr(sidecar.document, section)
+            own = getattr(view.sidecar.document, section)
             module = None if robot is None or name in own else _module_of(robot, section, name)
             if module is not None:
-                command = module_command(sidecar, module)
+                command = module_command(view.sidecar, module)
                 raise Refused(f"'{name}' is in module '{module.name}', which is edited in its own file: `{command}`")
 
 

@@ -24,7 +24,7 @@ from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 
-from .decisions import Edited, edited_view, in_file, require_fit, require_own
+from .decisions import Edited, edited_view, in_file, require_editable
 from .edits import changes_of
 from .local_server import Refused
 from .questions import text as text_of
@@ -108,8 +108,7 @@ class Editor:
     def _changed(self, sidecar: Sidecar, question: Json) -> str:
         """The text with the change that a question asks for."""
         view = edited_view(sidecar, self._robot())
-        require_fit(view, question)
-        require_own(view.sidecar, self._robot(), question)
+        require_editable(view, self._robot(), question)
         changes = in_file(sidecar, view, changes_of(view.sidecar, question), question)
         return edited(sidecar.text, changes, self._sidecar)
 

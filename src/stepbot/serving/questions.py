@@ -143,11 +143,7 @@ def rename(sidecar: Sidecar, question: Json) -> list[Change]:
 
 
 def require_portable(name: str, kind: str) -> None:
-    """Check that every format, ROS and xacro accept a new name.
-
-    Raises:
-        Refused: They do not; the message has a name that they accept.
-    """
+    """Refuse a new name that some format, ROS or xacro does not accept, with one that all accept."""
     if not name:
         raise Refused("a name is missing")
     if (other := portable_name(name, kind)) != name:
@@ -156,11 +152,7 @@ def require_portable(name: str, kind: str) -> None:
 
 
 def require_free(document: Document, section: str, name: str) -> None:
-    """Check that a new entry of ``section`` can have a name.
-
-    Raises:
-        Refused: A link, joint, closure or frame has it; the message has a free one.
-    """
+    """Refuse a name of a new entry of ``section`` that a link, joint, closure or frame has, with a free one."""
     taken = next((one for one in NAMED if name in getattr(document, one)), None)
     if taken is None:
         return
