@@ -5,7 +5,7 @@ frame, poses of links relative to the root link. A quantity that an engine does 
 in ``not_run``.
 """
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from enum import StrEnum
 from itertools import chain, repeat
 
@@ -304,6 +304,11 @@ class Observation(Struct, frozen=True, eq=False):
             initial=self.initial and {name: q for name, q in self.initial.items() if name not in gone},
             excluded_pairs=self.excluded_pairs and tuple(pair for pair in self.excluded_pairs if not links & {*pair}),
         )
+
+
+def sorted_pairs(pairs: Iterable[Collection[str]]) -> tuple[tuple[str, str], ...]:
+    """Pairs of links as :attr:`Observation.excluded_pairs` has them."""
+    return tuple(sorted((min(pair), max(pair)) for pair in pairs))
 
 
 class Request(Struct, frozen=True):

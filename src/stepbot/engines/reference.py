@@ -42,6 +42,7 @@ from .observation import (
     ObservedSensor,
     ObservedShape,
     Request,
+    sorted_pairs,
 )
 
 NAME = "model"
@@ -82,6 +83,7 @@ class Reference:
         motion = self._motion(robot, request, closed, request.moments if dynamics else ())
         sensitivity = loop_sensitivity(robot, closed, request.driven)
         closed_poses = motion.poses[len(request.configurations) :]
+        touching = {link.name for link in robot.links if link.collisions}
         return Observation(
             engine=NAME,
             version=__version__,
@@ -101,7 +103,7 @@ class Reference:
             actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
             sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
             initial=initial_configuration(robot),
-            excluded_pairs=_excluded_pairs(robot),
+            excluded_pairs=sorted_pairs(pair for pair in without_contacts(robot) if pair <= touching),
         )
 
     def _motion(
@@ -166,11 +168,6 @@ class Reference:
             else:
                 self._boxes[drawn, X_LG] = primitive_bounds(drawn, X_LG)
         return self._boxes[drawn, X_LG]
-
-
-def _excluded_pairs(robot: Robot) -> tuple[tuple[str, str], ...]:
-    touching = {link.name for link in robot.links if link.collisions}
-    return tuple(sorted((min(pair), max(pair)) for pair in without_contacts(robot) if pair <= touching))
 
 
 def _joint(joint: Joint) -> ObservedJoint:

@@ -20,6 +20,18 @@ class NewNames(Struct, frozen=True):
     joints: Mapping[str, str] = field(default_factory=dict)
     frames: Mapping[str, str] = field(default_factory=dict)
 
+    def link(self, name: str) -> str:
+        """The name of a link."""
+        return self.links.get(name, name)
+
+    def joint(self, name: str) -> str:
+        """The name of a joint."""
+        return self.joints.get(name, name)
+
+    def frame(self, name: str) -> str:
+        """The name of a frame."""
+        return self.frames.get(name, name)
+
 
 def same(name: str) -> str:
     """The name itself: elements of a kind that keep theirs."""

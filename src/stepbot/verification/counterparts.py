@@ -8,9 +8,9 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Request
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Request, sorted_pairs
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.renaming import NewNames
+from stepbot.robot.renaming import NewNames, Rename
 
 from .chains import is_bare
 
@@ -19,18 +19,12 @@ Value = TypeVar("Value")
 
 def with_old_names(request: Request, names: NewNames) -> Request:
     """A request with new names, in those of the file."""
-    old = {new: name for name, new in names.joints.items()}
-    if not old:
-        return request
-
-    def to(name: str) -> str:
-        return old.get(name, name)
-
+    to = NewNames(joints={new: name for name, new in names.joints.items()}).joint
     return replace(
         request,
-        configurations=tuple(_keys(q, old) for q in request.configurations),
-        rates=tuple((_keys(v, old), _keys(a, old)) for v, a in request.rates),
-        initial=_keys(request.initial, old),
+        configurations=tuple(_keys(q, to) for q in request.configurations),
+        rates=tuple((_keys(v, to), _keys(a, to)) for v, a in request.rates),
+        initial=_keys(request.initial, to),
         balls={to(name): (to(yaw), to(pitch), to(roll)) for name, (yaw, pitch, roll) in request.balls.items()},
         universals={to(name): (to(first), to(second)) for name, (first, second) in request.universals.items()},
     )
@@ -38,57 +32,42 @@ def with_old_names(request: Request, names: NewNames) -> Request:
 
 def with_new_names(observation: Observation, names: NewNames) -> Observation:
     """An observation of the file, with new names."""
-    links, joints = names.links, names.joints
+    link, joint, frames = names.link, names.joint, observation.frames
     return replace(
         observation,
-        links=tuple(replace(one, name=links.get(one.name, one.name)) for one in observation.links),
+        links=tuple(replace(one, name=link(one.name)) for one in observation.links),
         joints=tuple(_renamed_joint(one, names) for one in observation.joints),
-        coordinates=tuple(joints.get(name, name) for name in observation.coordinates),
-        poses=tuple(_keys(one, links) for one in observation.poses),
+        coordinates=tuple(map(joint, observation.coordinates)),
+        poses=tuple(_keys(one, link) for one in observation.poses),
         closures=observation.closures
-        and tuple(
-            replace(one, link_a=links.get(one.link_a, one.link_a), link_b=links.get(one.link_b, one.link_b))
-            for one in observation.closures
-        ),
-        frames=observation.frames
-        and {
-            names.frames.get(name, name): (links.get(link, link), X) for name, (link, X) in observation.frames.items()
-        },
+        and tuple(replace(one, link_a=link(one.link_a), link_b=link(one.link_b)) for one in observation.closures),
+        frames=frames and {names.frame(name): (link(on), X) for name, (on, X) in frames.items()},
         actuators=observation.actuators
-        and tuple(replace(one, joint=joints.get(one.joint, one.joint)) for one in observation.actuators),
+        and tuple(replace(one, joint=joint(one.joint)) for one in observation.actuators),
         sensors=observation.sensors
         and tuple(
-            replace(
-                one,
-                link=one.link and links.get(one.link, one.link),
-                joint=one.joint and joints.get(one.joint, one.joint),
-            )
+            replace(one, link=one.link and link(one.link), joint=one.joint and joint(one.joint))
             for one in observation.sensors
         ),
-        initial=None if observation.initial is None else _keys(observation.initial, joints),
+        initial=None if observation.initial is None else _keys(observation.initial, joint),
         excluded_pairs=observation.excluded_pairs
-        and tuple(
-            (min(pair), max(pair))
-            for pair in ((links.get(a, a), links.get(b, b)) for a, b in observation.excluded_pairs)
-        ),
+        and sorted_pairs((link(a), link(b)) for a, b in observation.excluded_pairs),
     )
 
 
 def _renamed_joint(joint: ObservedJoint, names: NewNames) -> ObservedJoint:
-    links, joints = names.links, names.joints
-    mimic = joint.mimic and replace(joint.mimic, joint=joints.get(joint.mimic.joint, joint.mimic.joint))
     return replace(
         joint,
-        name=joints.get(joint.name, joint.name),
-        parent=links.get(joint.parent, joint.parent),
-        child=links.get(joint.child, joint.child),
-        mimic=mimic,
+        name=names.joint(joint.name),
+        parent=names.link(joint.parent),
+        child=names.link(joint.child),
+        mimic=joint.mimic and replace(joint.mimic, joint=names.joint(joint.mimic.joint)),
         steps=tuple(_renamed_joint(step, names) for step in joint.steps),
     )
 
 
-def _keys(values: Mapping[str, Value], names: Mapping[str, str]) -> dict[str, Value]:
-    return {names.get(name, name): value for name, value in values.items()}
+def _keys(values: Mapping[str, Value], to: Rename) -> dict[str, Value]:
+    return {to(name): value for name, value in values.items()}
 
 
 _FAR = 1e-3

@@ -1,7 +1,7 @@
 """Collects deviations and keeps the worst."""
 
 from collections.abc import Iterable, Mapping
-from math import inf, isnan
+from math import inf, isfinite, isnan
 
 from msgspec import Struct, field
 
@@ -100,9 +100,10 @@ class Deviations(Struct):
     unreported: list[str] = field(default_factory=list)
     """Values of the quantity that the engine does not report."""
 
-    def near(self, observed: float, expected: float, where: str, unit: str, scale: float = 0.0) -> None:
-        """Compare two numbers; equal infinities are equal."""
+    def near(self, observed: float, expected: float, where: str, unit: str) -> None:
+        """Compare two numbers, relative to the expected one; equal infinities are equal."""
         amount = 0.0 if observed == expected else abs(observed - expected)
+        scale = abs(expected) if isfinite(expected) else 0.0
         self.off(amount, where, unit, scale, values=(float(expected), float(observed)))
 
     def off(

@@ -150,7 +150,7 @@ def report_of(
 
 
 UNCHANGED = NewNames()
-_OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
+OWN_RESULT = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Diagnostics of an engine's own result, independent of others."""
 _STILL = frozenset(
     {
@@ -213,18 +213,18 @@ def checks_within(key: str, outcomes: Sequence[Outcome], found: Diagnostics) -> 
         against = "itself" if alone or reference is None else reference.engine
         subject = Subject(key, outcome.format, outcome.engine, against)
         if outcome.observation is None:
-            yield from checks_without_observation(subject, outcome, _OWN, found)
+            yield from checks_without_observation(subject, outcome, OWN_RESULT, found)
             continue
         assert reference is not None
         assert reference.observation is not None
         pair = normalized(reference.observation, outcome.observation)
-        yield from (judged(subject, one, found) for one in compare(*pair) if not alone or one.quantity in _OWN)
+        yield from (judged(subject, one, found) for one in compare(*pair) if not alone or one.quantity in OWN_RESULT)
 
 
 def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
     """Every further file against the first, and for quantities that the first lacks against the files before it."""
     for number, theirs in enumerate(gathered):
-        compared = set(_OWN)
+        compared = set(OWN_RESULT)
         for ours in gathered[:number]:
             first = ours is gathered[0]
             results = [
@@ -257,7 +257,9 @@ def _compared_across(
     if first:
         _add_other_names(results, asked.paired.get(theirs.key, UNCHANGED))
     if ours.format == theirs.format:
-        equal = not any(one.deviations.failures for one in results if not one.not_run and one.quantity not in _OWN)
+        equal = not any(
+            one.deviations.failures for one in results if not one.not_run and one.quantity not in OWN_RESULT
+        )
         texts = [asked.texts.get(key, ()) for key in (ours.key, theirs.key)]
         compiled = bool(ours.observation.compiled) and ours.observation.compiled == theirs.observation.compiled
         defaults = {place for one in (ours, theirs) for place in one.observation.stated_defaults}

@@ -68,19 +68,15 @@ def _with_stand_ins(tolerance: Tolerance, reference: Observation, acceleration: 
     return replace(tolerance, absolute=tolerance.absolute + massless * LEAST_MOMENT * acceleration)
 
 
-def compare_gravity(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Gravity forces at every configuration, relative to their largest entry at any of them."""
-    _compare_efforts(deviations, reference, observed, "gravity", "gravity force on")
-
-
-def compare_inverse_dynamics(deviations: Deviations, reference: Observation, observed: Observation) -> None:
-    """Efforts of a motion at every configuration, relative to their largest entry at any of them."""
-    _compare_efforts(deviations, reference, observed, "inverse", "effort of")
-
-
-def _compare_efforts(
+def compare_efforts(
     deviations: Deviations, reference: Observation, observed: Observation, which: str, words: str
 ) -> None:
+    """Efforts at every configuration, relative to their largest entry at any of them.
+
+    Args:
+        which: The field of :class:`.Dynamics`.
+        words: Before the joint.
+    """
     order = _order(deviations, reference, observed)
     known = [efforts for dynamics in reference.dynamics if (efforts := getattr(dynamics, which)) is not None]
     if order is None or not known:

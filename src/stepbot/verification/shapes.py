@@ -1,6 +1,7 @@
 """Compares what links and joints have: visuals and collisions, excluded contacts, actuators and sensors."""
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import inf, isfinite
 from typing import TypeVar
@@ -20,6 +21,17 @@ def link_pairs(reference: Observation, observed: Observation) -> list[tuple[Obse
     """Links of the same name on both sides, in the order of the reference."""
     theirs = {link.name: link for link in observed.links}
     return [(link, theirs[link.name]) for link in reference.links if link.name in theirs]
+
+
+Named = ObservedLink | ObservedActuator | ObservedSensor
+
+
+def compare_names(deviations: Deviations, what: str, reference: Sequence[Named], observed: Sequence[Named]) -> None:
+    """Every name on one side must exist on the other, equally often."""
+    ours, theirs = (Counter(one.name for one in side) for side in (reference, observed))
+    for name in ours | theirs:
+        wrong = "is missing" if theirs[name] < ours[name] else "is not in the robot"
+        deviations.equal(theirs[name] == ours[name], f"{what} '{name}' {wrong}")
 
 
 _RENAMED = re.compile(r"(_geom)+(_\d+)?$")
@@ -176,12 +188,9 @@ def _compare_devices(
     """Compare pairs; a device on one side only is a failure."""
     ours: list[Device] = _named(reference, observed)
     theirs: list[Device] = _named(observed, reference)
-    for name in dict.fromkeys(device.name for device in (*ours, *theirs)):
-        expected, found = _count(ours, name), _count(theirs, name)
-        wrong = "is missing" if found < expected else "is not in the robot"
-        deviations.equal(expected == found, f"{what} '{name}' {wrong}")
-    for expected_device, device in _pairs(ours, theirs):
-        compare(deviations, expected_device, device)
+    compare_names(deviations, what, ours, theirs)
+    for expected, found in _pairs(ours, theirs):
+        compare(deviations, expected, found)
 
 
 def _pairs(ours: Iterable[Device], theirs: Iterable[Device]) -> Iterator[tuple[Device, Device]]:
@@ -193,10 +202,6 @@ def _pairs(ours: Iterable[Device], theirs: Iterable[Device]) -> Iterator[tuple[D
             if same is not None:
                 left.remove(device)
                 yield free.pop(same), device
-
-
-def _count(devices: Sequence[Device], name: str) -> int:
-    return sum(device.name == name for device in devices)
 
 
 def _named(devices: Sequence[Device], others: Sequence[Device]) -> list[Device]:
@@ -219,7 +224,7 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
     for name in ("gear", "kp", "kv"):
         expected, seen = getattr(a, name), getattr(b, name)
         if expected is not None and seen is not None:
-            deviations.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
+            deviations.near(seen, expected, f"{name} of {who}", "SI")
         elif name != "gear" and expected:  # formats without gears have gains, too, and 0 may be left out
             deviations.equal(False, f"{who}: no {name}", expected=f"{expected}")
         elif name != "gear" and seen is not None:
@@ -232,7 +237,7 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
             continue
         ranges = _both_or_none(bounds, _at_joint(a, name)), _both_or_none(found, _at_joint(b, name))
         for side, wanted, given in zip(("lowest", "highest"), *ranges, strict=True):
-            deviations.near(given, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
+            deviations.near(given, wanted, f"{side} {name} of {who}", "SI")
 
 
 def _at_joint(drive: ObservedActuator, what: str) -> float:
@@ -260,6 +265,6 @@ def _compare_sensor(deviations: Deviations, a: ObservedSensor, b: ObservedSensor
     for name, unit in _UNITS.items():
         expected, found = getattr(a, name), getattr(b, name)
         if expected is not None and found is not None:
-            deviations.near(found, expected, f"{name} of {who}", unit, abs(expected) if isfinite(expected) else 0.0)
+            deviations.near(found, expected, f"{name} of {who}", unit)
         elif expected:
             deviations.unreported.append(name)

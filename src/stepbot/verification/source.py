@@ -33,7 +33,7 @@ from stepbot.robot.surfaces import PLAIN, SURFACE_FIELDS, Surface
 from stepbot.runtime.worker import Workers
 
 from .files import observed
-from .judging import Subject, compared_with_first, judged, ranked
+from .judging import OWN_RESULT, Subject, compared_with_first, judged, ranked
 from .merged_observation import Gathered, gather
 from .normalized import joined
 from .shapes import plain_name
@@ -78,8 +78,6 @@ def _within(bounds: Bounds | None, limits: Bounds | None) -> Bounds | None:
 
 
 NOT_CONFIRMED = "SB867"
-_OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
-"""Quantities of one file alone."""
 
 
 class Converted(Struct, frozen=True):
@@ -145,7 +143,7 @@ def verify_against_source(
         whole = _with_whole_visuals(without_stand_ins(gathered.observation), pieces)
         theirs = replace(gathered, observation=with_effective_ranges(whole))
         for compared in compared_with_first(ours, theirs, asked):
-            if compared.quantity in _OWN:
+            if compared.quantity in OWN_RESULT:
                 continue
             reason = lost.get(compared.quantity) or written.lost.get(compared.quantity)
             if reason:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
-from math import isfinite
 
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.engine import Tolerance
@@ -148,4 +147,4 @@ def _compare(deviations: Deviations, a: Statement, b: Statement, *, words: bool 
         return
     for number, (expected, found) in enumerate(zip(ours, theirs, strict=True), start=1):
         which = f"{a.place}, number {number}" if len(ours) > 1 else a.place
-        deviations.near(found, expected, which, "SI", abs(expected) if isfinite(expected) else 0.0)
+        deviations.near(found, expected, which, "SI")

@@ -517,9 +517,9 @@ def test_a_file_without_an_observation(fate: Fate, load: Status, code: str | Non
 def test_a_number_beside_zero_tolerance_fails() -> None:
     """With a tolerance of zero any deviation fails, and zero passes."""
     deviations = Deviations(Tolerance(relative=1e-9))
-    deviations.near(0.0, 0.0, "nothing", "kg", 0.0)
+    deviations.near(0.0, 0.0, "nothing", "kg")
     assert not deviations.failures
-    deviations.near(1e-300, 0.0, "something", "kg", 0.0)
+    deviations.near(1e-300, 0.0, "something", "kg")
     assert [str(failure) for failure in deviations.failures] == ["something: 1e-300 kg off, 0 allowed"]
     assert deviations.worst is deviations.failures[0]
 
@@ -529,7 +529,7 @@ def test_infinite_limits_are_equal() -> None:
     deviations = Deviations(Tolerance(1e-9))
     deviations.near(math.inf, math.inf, "limit", "rad")
     assert not deviations.failures
-    deviations.near(math.inf, 3.0, "limit", "rad", 3.0)
+    deviations.near(math.inf, 3.0, "limit", "rad")
     assert len(deviations.failures) == 1
 
 

@@ -18,13 +18,14 @@ from stepbot.verification.normalized import normalized
 
 
 def test_a_relative_tolerance_allows_nothing_without_a_scale() -> None:
-    """Numbers are compared with the absolute tolerance unless the caller states what they are measured by."""
+    """Numbers are measured by the expected one, distances by what the caller states, or else not at all."""
     deviations = Deviations(Tolerance(absolute=1e-9, relative=0.5, of_whole=0.5))
-    deviations.near(1.1, 1.0, "number", "m")
+    deviations.near(-1.1, -1.0, "number", "m")
+    deviations.near(0.1, 0.0, "number beside 0", "m")
     deviations.off(0.1, "distance", "m")
     deviations.off(0.1, "distance of a scale", "m", 1.0)
     deviations.off(0.1, "distance in a whole", "m", whole=1.0)
-    assert [(one.where, one.allowed) for one in deviations.failures] == [("number", 1e-9), ("distance", 1e-9)]
+    assert [(one.where, one.allowed) for one in deviations.failures] == [("number beside 0", 1e-9), ("distance", 1e-9)]
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from typing import Any
 
 from stepbot.geometry.spatial import Pose, corners
 
+from ..observation import sorted_pairs
 from .coordinates import Balls, Coordinates
 from .model import NamedModel
 
@@ -78,12 +79,11 @@ def excluded_pairs(compiled: "Compiled") -> tuple[tuple[str, str], ...]:
         return follows_tree and 0 not in (weld_a, weld_b) and (above_a == weld_b or above_b == weld_a)
 
     bodies = [body for body in compiled.bodies if any(_masks(compiled, body))]
-    pairs = [
+    return sorted_pairs(
         (compiled.name("BODY", a), compiled.name("BODY", b))
         for a, b in combinations(bodies, 2)
         if left_out(a, b) or not _may_touch(compiled, a, b)
-    ]
-    return tuple(sorted((min(pair), max(pair)) for pair in pairs))
+    )
 
 
 def _masks(compiled: "Compiled", body: int) -> tuple[int, int]:

@@ -28,7 +28,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, JointKind, Sphere
 from stepbot.robot.surfaces import Surface
 
 from ..distribution import provider
-from ..observation import Observation, ObservedLink, ObservedShape, Quantity, Request
+from ..observation import Observation, ObservedLink, ObservedShape, Quantity, Request, sorted_pairs
 from ..parsed_motion import NOTE, with_motion
 from ..resources import box_around
 from . import ENGINE
@@ -180,7 +180,7 @@ def _excluded_pairs(stage: Stage, found: list[Connection], touching: set[str]) -
             targets: list[Any] = UsdPhysics.FilteredPairsAPI(body.prim).GetFilteredPairsRel().GetTargets()
             others = [stage.body_of(stage.stage.GetPrimAtPath(target)) for target in targets]
             pairs |= {frozenset((body.name, other.name)) for other in others if other is not None}
-    return tuple(sorted((min(pair), max(pair)) for pair in pairs if len(pair) == 2 and pair <= touching))
+    return sorted_pairs(pair for pair in pairs if len(pair) == 2 and pair <= touching)
 
 
 _TO_Z = {
