@@ -8,8 +8,11 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, rotation_from_rpy
+from stepbot.robot.dynamics import Rates
+from stepbot.robot.kinematics import Configuration
 from stepbot.runtime.file import is_file
 
 from .xml import xml_root
@@ -31,6 +34,48 @@ def ball_bias(angles: Sequence[float], speeds: Sequence[float]) -> Array:
     yaw, pitch, roll = speeds
     turned = pitch * pitching + roll * _X
     return np.asarray(-yaw * np.cross(turned, yawing) - pitch * np.cross(roll * _X, pitching))
+
+
+class Velocities(Struct, frozen=True):
+    """An engine's velocities and accelerations from those of named coordinates; a ball has an angular velocity."""
+
+    size: int
+    """Number of the engine's velocities."""
+    names: tuple[str, ...]
+    """The coordinates."""
+    single: Sequence[tuple[int, str, float]]
+    """Index of a velocity, its coordinate, and the velocity per unit speed of that."""
+    balls: Sequence[tuple[tuple[str, str, str], int]]
+    """Yaw, pitch and roll of each ball, and the index of the first of its velocities."""
+    in_parent: bool = False
+    """Whether angular velocities are in the parent's frame instead of the child's."""
+
+    def rates(self, q: Configuration) -> Array:
+        """The engine's velocities per unit speed of each coordinate, shape (size, n)."""
+        E = np.zeros((self.size, len(self.names)))
+        column = {name: i for i, name in enumerate(self.names)}
+        for row, name, factor in self.single:
+            E[row, column[name]] = factor
+        for names, start in self.balls:
+            angles = [q.get(name, 0.0) for name in names]
+            E[start : start + 3, [column[name] for name in names]] = self._turned(angles, ball_rates(angles))
+        return E
+
+    def moving(self, q: Configuration, rates: Rates) -> tuple[Array, Array]:
+        """The engine's velocities (size,) and accelerations (size,) from those of the coordinates."""
+        E = self.rates(q)
+        v, a = (np.array([rate.get(name, 0.0) for name in self.names]) for rate in rates)
+        accelerations = E @ a
+        for names, start in self.balls:
+            angles, speeds = ([given.get(name, 0.0) for name in names] for given in (q, rates[0]))
+            # The derivative of a vector is the same in both frames if it is their relative angular velocity.
+            accelerations[start : start + 3] += self._turned(angles, ball_bias(angles, speeds))
+        return E @ v, accelerations
+
+    def _turned(self, angles: Sequence[float], vectors: Array) -> Array:
+        """Vectors (3, ...) in the child's frame, in that of the engine."""
+        yaw, pitch, roll = angles
+        return rotation_from_rpy((roll, pitch, yaw)) @ vectors if self.in_parent else vectors
 
 
 def inner_joints(file: Path, kinds: Collection[str] = ("planar", "floating")) -> str:

@@ -1,6 +1,7 @@
-"""Captures what native code prints to standard output: the only way to get PyBullet's warnings."""
+"""Captures what engines print and log: the only way to get PyBullet's warnings, and those of Python libraries."""
 
 import ctypes
+import logging
 import os
 import stat
 import sys
@@ -30,6 +31,25 @@ def printed() -> Iterator[list[str]]:
             text = os.read(descriptor, size).decode("utf-8", "replace")
             os.lseek(descriptor, 0, os.SEEK_END)
             lines += [line.strip() for line in text.splitlines() if line.strip()]
+
+
+@contextmanager
+def logged(name: str) -> Iterator[list[str]]:
+    """Collect the messages of a logger of Python from warning level up, in place of what handles them otherwise."""
+    messages: list[str] = []
+
+    class Collector(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            messages.append(record.getMessage())
+
+    logger, collector = logging.getLogger(name), Collector(logging.WARNING)
+    handed_on, logger.propagate = logger.propagate, False
+    logger.addHandler(collector)
+    try:
+        yield messages
+    finally:
+        logger.removeHandler(collector)
+        logger.propagate = handed_on
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import IDENTITY, Pose, join_bounds
+from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import Equations, equations_of_motion
@@ -44,6 +44,7 @@ from .observation import (
     Request,
     sorted_pairs,
 )
+from .resources import with_shapes
 
 NAME = "model"
 
@@ -124,39 +125,21 @@ class Reference:
 
     def _link(self, robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
         body = link.mass_properties
-        seen, touched = ([self._box(robot, shape) for shape in shapes] for shapes in (link.visuals, link.collisions))
-        return ObservedLink(
-            link.name,
-            body.mass,
-            body.com,
-            body.inertia,
-            join_bounds(seen) if seen else None,
-            join_bounds(touched) if touched else None,
-            gravity_compensation=0.0,
-            has_visuals=bool(link.visuals),
-            has_collisions=bool(link.collisions),
-            visuals=tuple(
-                ObservedShape(
-                    shape.name,
-                    shape.rgba,
-                    shape.rgba if shaded else None,
-                    box,
-                    self._box(robot, shape, OBLIQUE),
-                    (2, 0, 0),
-                )
-                for shape, box in zip(link.visuals, seen, strict=True)
-            ),
-            collisions=tuple(
-                ObservedShape(
-                    shape.name,
-                    bounds=box,
-                    oblique=self._box(robot, shape, OBLIQUE),
-                    groups=(3, 1, 1),
-                    surface=shape.surface,
-                )
-                for shape, box in zip(link.collisions, touched, strict=True)
-            ),
+        observed = ObservedLink(link.name, body.mass, body.com, body.inertia, gravity_compensation=0.0)
+        visuals = (
+            replace(
+                self._shape(robot, shape), rgba=shape.rgba, ambient=shape.rgba if shaded else None, groups=(2, 0, 0)
+            )
+            for shape in link.visuals
         )
+        collisions = (
+            replace(self._shape(robot, shape), groups=(3, 1, 1), surface=shape.surface) for shape in link.collisions
+        )
+        return with_shapes(observed, tuple(visuals), tuple(collisions))
+
+    def _shape(self, robot: Robot, shape: Visual | Collision) -> ObservedShape:
+        boxes = self._box(robot, shape), self._box(robot, shape, OBLIQUE)
+        return ObservedShape(shape.name, bounds=boxes[0], oblique=boxes[1])
 
     def _box(self, robot: Robot, shape: Visual | Collision, X_FL: Pose = IDENTITY) -> Bounds:
         """The bounding box of a shape in its link's frame, or in another."""

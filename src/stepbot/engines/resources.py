@@ -6,6 +6,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import obj_bytes
 from stepbot.geometry.mesh_files import read_mesh
@@ -13,7 +14,7 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds
 from stepbot.runtime.file import is_file, read_regular
 
-from .observation import ObservedShape
+from .observation import ObservedLink, ObservedShape
 
 _SCHEMES = ("package", "model", "file")
 
@@ -90,6 +91,21 @@ def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
     """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
     known = [shape.bounds for shape in shapes if shape.bounds is not None]
     return join_bounds(known) if known and len(known) == len(shapes) else None
+
+
+def with_shapes(
+    link: ObservedLink, visuals: tuple[ObservedShape, ...], collisions: tuple[ObservedShape, ...]
+) -> ObservedLink:
+    """The link with shapes, and the boxes around them."""
+    return replace(
+        link,
+        visual_bounds=box_around(visuals),
+        collision_bounds=box_around(collisions),
+        has_visuals=bool(visuals),
+        has_collisions=bool(collisions),
+        visuals=visuals,
+        collisions=collisions,
+    )
 
 
 def mesh_file_bounds(

@@ -5,7 +5,6 @@ An engine that is missing, rejects a file or crashes is a result like any other:
 
 from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
-from types import TracebackType
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -153,9 +152,7 @@ class Engines:
     def __enter__(self) -> "Engines":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _outcome(self, key: str, engine: Engine, timeout: float) -> Outcome:

@@ -10,6 +10,7 @@ from functools import cached_property
 from math import inf
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
@@ -19,11 +20,7 @@ from stepbot.geometry.primitives import Capsule as Capsule  # noqa: PLC0414
 from stepbot.geometry.primitives import Cylinder as Cylinder  # noqa: PLC0414
 from stepbot.geometry.primitives import Primitive
 from stepbot.geometry.primitives import Sphere as Sphere  # noqa: PLC0414
-from stepbot.geometry.spatial import (
-    IDENTITY,
-    Pose,
-    Vector3,
-)
+from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
 
 from .joint_types import JointKind as JointKind  # noqa: PLC0414
 from .metadata import NO_METADATA, Metadata
@@ -193,6 +190,16 @@ class Limit(Struct, frozen=True):
     """[rad/s^2] or [m/s^2]; infinite if it is that of the acceleration."""
     jerk: float = inf
     """[rad/s^3] or [m/s^3]."""
+
+    def without_beyond(self, position: float, rate: float = inf) -> "Limit":
+        """Without bounds that stand for none: positions, and velocities and efforts, from one size on."""
+        return replace(
+            self,
+            lower=-inf if self.lower <= -position else self.lower,
+            upper=inf if self.upper >= position else self.upper,
+            velocity=inf if self.velocity >= rate else self.velocity,
+            effort=inf if self.effort >= rate else self.effort,
+        )
 
     @property
     def is_smooth(self) -> bool:

@@ -180,10 +180,9 @@ def _comparable(gathered: Gathered) -> Gathered:
             for shape in shapes
         )
 
-    ended = (_with_ends(_with_ends(link, "visual"), "collision") for link in seen.links)
     links = tuple(
         replace(link, visuals=plain(link.visuals, "visual"), collisions=plain(link.collisions, "collision"))
-        for link in ended
+        for link in map(_with_ends, seen.links)
     )
     joints = tuple(
         replace(joint, dynamics=replace(joint.dynamics, spring_reference=0.0))
@@ -214,15 +213,15 @@ def _with_own_names(seen: tuple[_Named, ...] | None) -> tuple[_Named, ...] | Non
     return seen and tuple(replace(one, name=one.name and free_name(one.name, "_2", taken)) for one in seen)
 
 
-def _with_ends(link: ObservedLink, kind: str) -> ObservedLink:
+def _with_ends(link: ObservedLink) -> ObservedLink:
     """The link without planes and height fields, which are reported as not converted."""
-    shapes: tuple[ObservedShape, ...] = getattr(link, f"{kind}s") or ()
-    kept = tuple(one for one in shapes if one.bounds is None or isfinite(one.bounds[0][0]))
-    if len(kept) == len(shapes):
-        return link
-    if kind == "visual":
-        return replace(link, visuals=kept, visual_bounds=box_around(kept), has_visuals=bool(kept))
-    return replace(link, collisions=kept, collision_bounds=box_around(kept), has_collisions=bool(kept))
+    for kind in ("visual", "collision"):
+        shapes: tuple[ObservedShape, ...] = getattr(link, f"{kind}s") or ()
+        kept = tuple(one for one in shapes if one.bounds is None or isfinite(one.bounds[0][0]))
+        if len(kept) < len(shapes):
+            known = {f"{kind}s": kept, f"{kind}_bounds": box_around(kept), f"has_{kind}s": bool(kept)}
+            link = replace(link, **known)
+    return link
 
 
 def _stated(shape: ObservedShape) -> Surface | None:

@@ -12,7 +12,6 @@ from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.geometry.spatial import ZERO3, ZERO33
 from stepbot.robot.kinematics import NO_BOUND
-from stepbot.robot.model import Limit
 from stepbot.robot.surfaces import Surface
 
 _STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
@@ -90,14 +89,5 @@ def freed(joint: ObservedJoint) -> ObservedJoint:
     """A joint without bounds that mean unlimited; a hinge without any is continuous."""
     far = joint.limit is not None and -inf < joint.limit.lower <= -NO_BOUND and NO_BOUND <= joint.limit.upper < inf
     joint = replace(joint, kind="continuous") if joint.kind == "revolute" and far else joint
-    return replace(joint, limit=joint.limit and _free(joint.limit), steps=tuple(map(freed, joint.steps)))
-
-
-def _free(limit: Limit) -> Limit:
-    return replace(
-        limit,
-        lower=-inf if limit.lower <= -NO_BOUND else limit.lower,
-        upper=inf if limit.upper >= NO_BOUND else limit.upper,
-        velocity=inf if limit.velocity >= UNLIMITED else limit.velocity,
-        effort=inf if limit.effort >= UNLIMITED else limit.effort,
-    )
+    limit = joint.limit and joint.limit.without_beyond(NO_BOUND, UNLIMITED)
+    return replace(joint, limit=limit, steps=tuple(map(freed, joint.steps)))

@@ -11,7 +11,7 @@ from stepbot.diagnostics import Span
 from stepbot.engines.resources import resolve
 from stepbot.geometry.mesh import TriMesh, revolved
 from stepbot.geometry.mesh_files import KINDS, MeshContent, read_content
-from stepbot.geometry.primitives import Color, Primitive, half_size
+from stepbot.geometry.primitives import Primitive, half_size
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, box_corners
 from stepbot.robot.model import Rgba
 from stepbot.robot.surfaces import PLAIN, Surface
@@ -36,12 +36,20 @@ class MeshFiles:
         content = self._content(uri)
         return None if content is None else _scaled(content.mesh, scale)
 
-    def parts(self, uri: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0)) -> tuple[tuple[TriMesh, Color | None], ...]:
-        """Triangles in the file by colour, scaled; a file without colours is one part; none if it is unreadable."""
+    def parts(
+        self, uri: str, scale: tuple[float, ...], rgba: Rgba | None, *, whole: bool
+    ) -> tuple[tuple[TriMesh, Rgba | None], ...]:
+        """Triangles in the file, scaled, with the colour of each part; none if it is unreadable.
+
+        Args:
+            rgba: The colour that the description gives; None for those of the file.
+            whole: Whether the file is one part, whatever its colours.
+        """
         content = self._content(uri)
         if content is None:
             return ()
-        parts: tuple[tuple[TriMesh, Color | None], ...] = content.parts or ((content.mesh, None),)
+        one_part = ((content.mesh, rgba),)
+        parts = one_part if whole or rgba is not None else content.parts or one_part
         return tuple((_scaled(mesh, scale), color) for mesh, color in parts)
 
     def _content(self, uri: str) -> MeshContent | None:

@@ -93,28 +93,18 @@ def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
         for shape in link.findall(kind):
             name, X_LG, rgba = shape.get("name", ""), read_pose(shape), _color(shape)
             uri, collides = (shape.findtext("geometry/mesh/uri") or "").strip(), kind == "collision"
-            parts = _parts(shape.find("geometry"), files, rgba, whole=collides or rgba is not None)
-            for piece, (found, color) in enumerate(parts):
-                surface, of_mesh = (
-                    surface_of(shape),
-                    next((a for tag, a in _AS_MESHES if shape.find(tag) is not None), ""),
-                )
+            mesh, geometry = shape.find("geometry/mesh"), shape.find("geometry")
+            parts: tuple[tuple[TriMesh | Primitive, Rgba | None], ...] = ()
+            if mesh is not None:
+                parts = files.parts(uri, three_at(mesh, "scale", "1 1 1"), rgba, whole=collides)
+            elif geometry is not None and (found := _geometry(geometry)) is not None:
+                parts = ((found, rgba),)
+            surface = surface_of(shape)
+            of_mesh = next((a for tag, a in _AS_MESHES if shape.find(tag) is not None), "")
+            for piece, (part, color) in enumerate(parts):
                 yield DescribedShape(
-                    link.get("name", ""), name, found, X_LG, color, collides, surface, uri, of_mesh, piece
+                    link.get("name", ""), name, part, X_LG, color, collides, surface, uri, of_mesh, piece
                 )
-
-
-def _parts(
-    geometry: Element | None, files: MeshFiles, rgba: Rgba | None, *, whole: bool
-) -> tuple[tuple[TriMesh | Primitive, Rgba | None], ...]:
-    """The geometry, that of a mesh by the colours of its file unless the description gives one."""
-    if geometry is None:
-        return ()
-    mesh = geometry.find("mesh")
-    if mesh is not None and not whole:
-        return files.parts((mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1"))
-    found = _geometry(geometry, files)
-    return () if found is None else ((found, rgba),)
 
 
 def _color(shape: Element) -> Rgba | None:
@@ -123,10 +113,7 @@ def _color(shape: Element) -> Rgba | None:
     return (values[0], values[1], values[2], values[3] if len(values) > 3 else 1.0) if len(values) >= 3 else None
 
 
-def _geometry(geometry: Element, files: MeshFiles) -> TriMesh | Primitive | None:
-    mesh = geometry.find("mesh")
-    if mesh is not None:
-        return files.mesh((mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1"))
+def _geometry(geometry: Element) -> TriMesh | Primitive | None:
     round_, cone = geometry.find("ellipsoid"), geometry.find("cone")
     if round_ is not None:
         return ellipsoid_mesh(three_at(round_, "radii", "1 1 1"))

@@ -113,7 +113,7 @@ def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -
                 primitive = _primitive(geometry)
                 parts = () if primitive is None else ((primitive, rgba),)
             else:
-                parts = _mesh(mesh, files, rgba, whole=collides or rgba is not None)
+                parts = files.parts(uri, _numbers(mesh.get("scale"), (1.0, 1.0, 1.0)), rgba, whole=collides)
             for piece, (found, color) in enumerate(parts):
                 surface = _surface(link) if collides else PLAIN
                 yield DescribedShape(
@@ -147,17 +147,6 @@ def _not_negative(tag: str, text: str | None) -> float:
     if not 0.0 <= value < inf:
         raise EngineRefused(f"<{tag}>: '{text or ''}' is not a number of at least 0")
     return value
-
-
-def _mesh(
-    mesh: Element, files: MeshFiles, rgba: Rgba | None, *, whole: bool
-) -> tuple[tuple[TriMesh, Rgba | None], ...]:
-    """The triangles of a mesh, by the colours of its file unless the description gives one."""
-    uri, scale = mesh.get("filename", ""), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
-    if not whole:
-        return files.parts(uri, scale)
-    found = files.mesh(uri, scale)
-    return () if found is None else ((found, rgba),)
 
 
 def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba | None:

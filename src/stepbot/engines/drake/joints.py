@@ -65,12 +65,8 @@ def _joint(
         return ObservedJoint(name, kind, parent, child)
     axis, axis2 = _axes(built, joint, kind)
     lower, upper = float(joint.position_lower_limits()[0]), float(joint.position_upper_limits()[0])
-    limit = Limit(
-        -inf if lower <= -_NO_LIMIT else lower,
-        inf if upper >= _NO_LIMIT else upper,
-        float(joint.velocity_upper_limits()[0]),
-        drives.get(name, 0.0),
-    )
+    limit = Limit(lower, upper, float(joint.velocity_upper_limits()[0]), drives.get(name, 0.0))
+    limit = limit.without_beyond(_NO_LIMIT)
     damping = joint.default_damping_vector()
     stiffness, reference = springs.get(name, (0.0, 0.0))
     sprung = sdf and kind in ("revolute", "prismatic")

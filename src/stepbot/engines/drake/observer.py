@@ -5,23 +5,22 @@ about features that Drake does not support, such as joint friction, are noted; t
 https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
 """
 
-import logging
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
 
+from stepbot.geometry.primitives import primitive
 from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_inertia, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.dynamics import Rates
-from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 from stepbot.robot.surfaces import Surface
 
 from ..ball_coordinates import inner_joints
+from ..captured_output import logged
 from ..distribution import provider
 from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, ObservedShape, Quantity, Request
 from ..resources import vertices_of
@@ -60,6 +59,7 @@ _REJECTED = {"sdf": "gz_frame_id"}
 """Gazebo's name of the frame of a sensor, which libsdformat ignores with a warning, and Drake rejects."""
 _GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
 """Drake's warnings about features that it reads but does not support."""
+_PLACE = re.compile(r"^.*?(warning|error): ", re.DOTALL)
 
 
 def prepare() -> None:
@@ -83,38 +83,22 @@ def observe(request: Request) -> Observation:
     unmoved = inner_joints(path) if request.format == "urdf" else ""
     if unmoved:
         raise EngineCannotRead(f"Drake names the coordinates of these joints itself, or gives them none: {unmoved}")
-    with readable(request, rejected=_REJECTED) as (request, replaced), _messages(Path(request.file)) as messages:
+    with readable(request, rejected=_REJECTED) as (request, replaced), logged("drake") as lines:
         built = build(request)
         observation = _static(built, request)
         if request.closures and request.format == "drake.sdf":
             observation = replace(observation, closures=closures_in(built, request))
         if request.simulate:
             observation = replace(observation, simulation_finite=simulate(built, request))
+    messages = [_plain(line, Path(request.file).parent) for line in lines]
     gaps = [message for message in messages if _GAP.search(message)]
     warnings = [message for message in messages if message not in gaps]
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=(*dict.fromkeys(gaps), *replaced))
 
 
-@contextmanager
-def _messages(path: Path) -> Iterator[list[str]]:
-    """Collect Drake's log messages from warning level up, without folders and line numbers."""
-    collected: list[str] = []
-    place = re.compile(r"^.*?(warning|error): ", re.DOTALL)
-
-    class Collector(logging.Handler):
-        def emit(self, record: logging.LogRecord) -> None:
-            text = record.getMessage()
-            text = place.sub("", text, count=1).replace(f"{path.parent.as_posix()}/", "")
-            collected.append(" ".join(text.split()))
-
-    logger, collector = logging.getLogger("drake"), Collector(logging.WARNING)
-    handed_on, logger.propagate = logger.propagate, False
-    logger.addHandler(collector)
-    try:
-        yield collected
-    finally:
-        logger.removeHandler(collector)
-        logger.propagate = handed_on
+def _plain(message: str, folder: Path) -> str:
+    """One of Drake's messages, without folders and line numbers."""
+    return " ".join(_PLACE.sub("", message, count=1).replace(f"{folder.as_posix()}/", "").split())
 
 
 def _check_mjcf(path: Path) -> None:
@@ -206,10 +190,10 @@ def _dynamics(built: Built, q: Mapping[str, float], rates: Rates) -> Dynamics:
 
     plant, context = built.plant, built.context
     built.place(q)
-    E = built.coordinates.rates(q)
+    E = built.coordinates.velocities.rates(q)
     M: Array = np.array(plant.CalcMassMatrix(context))
     gravity = -np.array(plant.CalcGravityGeneralizedForces(context))
-    speeds, accelerations = built.coordinates.moving(q, rates)
+    speeds, accelerations = built.coordinates.velocities.moving(q, rates)
     plant.SetVelocities(context, speeds)
     inverse = np.array(plant.CalcInverseDynamics(context, accelerations, MultibodyForces(plant))) + gravity
     return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
@@ -269,15 +253,11 @@ def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:
         EngineCannotRead: The shape is of a type that the formats do not have.
     """
     kind = type(shape).__name__
-    if kind == "Box":
-        return primitive_bounds(Box(vector3(shape.size())), X_LG)
-    if kind == "Sphere":
-        return primitive_bounds(Sphere(shape.radius()), X_LG)
-    if kind == "Cylinder":
-        return primitive_bounds(Cylinder(shape.radius(), shape.length()), X_LG)
-    if kind == "Capsule":
-        return primitive_bounds(Capsule(shape.radius(), shape.length()), X_LG)
     if kind == "Ellipsoid":
         half = np.sqrt(((X_LG.R * np.array([shape.a(), shape.b(), shape.c()])) ** 2).sum(axis=1))
         return vector3(X_LG.p - half), vector3(X_LG.p + half)
-    raise EngineCannotRead(f"Drake reports a shape of kind {kind}")
+    sizes = {name: getattr(shape, name)() for name in ("size", "radius", "length") if hasattr(shape, name)}
+    known = primitive(kind.lower(), **sizes)
+    if known is None:
+        raise EngineCannotRead(f"Drake reports a shape of kind {kind}")
+    return primitive_bounds(known, X_LG)

@@ -8,15 +8,9 @@ import numpy as np
 from stepbot.geometry.spatial import Array, rotation_from_rpy, rpy_from_rotation
 from stepbot.geometry.spatial import quaternion_from_rotation as quaternion
 from stepbot.geometry.spatial import rotation_from_quaternion as rotation
-from stepbot.robot.dynamics import Rates
 
-from ..ball_coordinates import ball_bias, ball_rates
+from ..ball_coordinates import Velocities
 from .joints import screw_pitch
-
-if TYPE_CHECKING:
-    from .model import NamedModel
-
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .model import NamedModel
@@ -54,6 +48,11 @@ class Coordinates:
                 self._balls[balls[name]] = joint
                 names += balls[name]
         self.names = tuple(names)
+        address = model.jnt_dofadr.tolist()
+        single = [(address[joint], name, 1.0) for name, joint in self._single.items()]
+        single += [(address[joint], leader, pitch) for joint, leader, pitch in self._screws]
+        turning = [(names, address[joint]) for names, joint in self._balls.items()]
+        self.velocities = Velocities(model.nv, self.names, single, turning)
 
     def place(self, qpos: Any, q: Mapping[str, float]) -> None:
         """Set the joints to ``q``; missing coordinates are 0."""
@@ -75,33 +74,6 @@ class Coordinates:
             roll, pitch, yaw = rpy_from_rotation(rotation(qpos[address[joint] : address[joint] + 4].tolist()))
             q.update(zip(names, (yaw, pitch, roll), strict=True))
         return {name: q[name] for name in self.names}
-
-    def rates(self, q: Mapping[str, float]) -> Array:
-        """MuJoCo's velocities per unit speed of each coordinate, shape (nv, n)."""
-        E = np.zeros((self._model.nv, len(self.names)))
-        column = {name: i for i, name in enumerate(self.names)}
-        address = self._model.jnt_dofadr
-        for name, joint in self._single.items():
-            E[address[joint], column[name]] = 1.0
-        for joint, leader, pitch in self._screws:
-            E[address[joint], column[leader]] = pitch
-        for names, joint in self._balls.items():
-            E[self._of_ball(joint), [column[name] for name in names]] = ball_rates([q.get(name, 0.0) for name in names])
-        return E
-
-    def moving(self, q: Mapping[str, float], rates: Rates) -> tuple[Array, Array]:
-        """MuJoCo's velocities (nv,) and accelerations (nv,) from those of the coordinates."""
-        E = self.rates(q)
-        v, a = (np.array([rate.get(name, 0.0) for name in self.names]) for rate in rates)
-        accelerations = E @ a
-        for names, joint in self._balls.items():
-            at, speed = ([given.get(name, 0.0) for name in names] for given in (q, rates[0]))
-            accelerations[self._of_ball(joint)] += ball_bias(at, speed)
-        return E @ v, accelerations
-
-    def _of_ball(self, joint: int) -> slice:
-        start = self._model.jnt_dofadr[joint]
-        return slice(start, start + 3)
 
 
 NEAR_LOCK = 0.5

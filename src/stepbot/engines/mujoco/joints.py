@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.mesh_names import SCOPE
-from stepbot.robot.model import JointDynamics, JointKind, Limit, Mimic
+from stepbot.robot.model import JointDynamics, JointKind, Limit
 
 from ..observation import ObservedJoint
 
@@ -114,7 +114,7 @@ def _whole_name(chain: Sequence[str], seen: Sequence[ObservedJoint]) -> str:
 
 def screw_pitch(compiled: "NamedModel", joint: int) -> float | None:
     """Advance of a slide joint with the following hinge in its body; None if no equality couples them."""
-    model, follows = compiled.model, _mimic(compiled, joint)
+    model, (follows, _) = compiled.model, compiled.couplings.get(joint, (None, 0))
     after = joint + 1
     if follows is None or follows.offset or after >= model.njnt or model.jnt_bodyid[after] != model.jnt_bodyid[joint]:
         return None
@@ -176,7 +176,7 @@ def _moving_joint(compiled: "NamedModel", joint: int, parent: str, child: str, m
         limit_fields=("lower", "upper", *(("velocity",) if mjcf else ()), "effort"),
         dynamics=_passive(compiled, joint, float(model.qpos_spring[position])),
         dynamics_fields=("damping", "friction", *(("stiffness", "spring_reference", "armature") if mjcf else ())),
-        mimic=_mimic(compiled, joint),
+        mimic=compiled.couplings.get(joint, (None, 0))[0],
         mimic_read=True,
     )
 
@@ -195,8 +195,3 @@ def _velocity_limits(compiled: "NamedModel") -> dict[str, float]:
         for name, address in names.items()
         if name.endswith(VELOCITY)
     }
-
-
-def _mimic(compiled: "NamedModel", joint: int) -> Mimic | None:
-    """The relation by which a joint follows another one."""
-    return compiled.couplings.get(joint, (None, 0))[0]

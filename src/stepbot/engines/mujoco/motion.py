@@ -148,7 +148,7 @@ def _newton(compiled: "Compiled", request: Request, q: Mapping[str, float]) -> t
         residual, J = _equality_rows(compiled, data)
         if not residual.size:
             break
-        rates = compiled.coordinates.rates(solved)[:, following]
+        rates = compiled.coordinates.velocities.rates(solved)[:, following]
         step = -np.linalg.lstsq(J @ rates, residual, rcond=RANK_TOLERANCE)[0]
         for i, change in zip(following, step.tolist(), strict=True):
             solved[names[i]] += change

@@ -28,7 +28,7 @@ from ..observation import (
     Quantity,
     Request,
 )
-from ..resources import MeshSubstitutes, box_around, resolve
+from ..resources import MeshSubstitutes, resolve, with_shapes
 from ..urdf_versions import readable
 from ..xml import xml_root
 from . import ENGINE
@@ -286,19 +286,14 @@ def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
     X_LI = Pose.from_quaternion(model.body_iquat[body].tolist(), model.body_ipos[body])
     sides = (False, True) if body else ()  # what stands in the world is not part of the robot
     seen, touched = [observed_shapes(compiled, body, touched=side, mjcf=mjcf) for side in sides] or [(), ()]
-    return ObservedLink(
+    link = ObservedLink(
         compiled.name("BODY", body),
         float(model.body_mass[body]),
         X_LI.position,
         matrix3(turn_inertia(X_LI.R, np.diag(model.body_inertia[body]))),
-        visual_bounds=box_around(seen),
-        collision_bounds=box_around(touched),
-        has_visuals=bool(seen),
-        has_collisions=bool(touched),
-        visuals=seen,
-        collisions=touched,
         gravity_compensation=float(model.body_gravcomp[body]) if mjcf else None,
     )
+    return with_shapes(link, seen, touched)
 
 
 def _gravity(compiled: Compiled) -> tuple[float, ...]:
@@ -311,7 +306,7 @@ def _gravity(compiled: Compiled) -> tuple[float, ...]:
 def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:
     """Mass matrix without armature, also of tendons, gravity forces, and inverse dynamics, in the coordinates."""
     engine, model = compiled.engine, compiled.model
-    E = compiled.coordinates.rates(q)
+    E = compiled.coordinates.velocities.rates(q)
     kept = model.dof_armature.copy(), model.tendon_armature.copy(), model.dof_M0.copy(), model.opt.gravity.copy()
     flags = int(model.opt.disableflags)
     model.dof_M0[:] -= model.dof_armature  # the mass matrix of "simple" bodies is constant, and computed in advance
@@ -327,7 +322,7 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynam
             M[:, column] = product
         gravity: Array = np.array(data.qfrc_bias)
         inverse = np.zeros(model.nv)
-        data.qvel[:], data.qacc[:] = compiled.coordinates.moving(q, rates)
+        data.qvel[:], data.qacc[:] = compiled.coordinates.velocities.moving(q, rates)
         engine.mj_fwdVelocity(model, data)
         engine.mj_rne(model, data, 1, inverse)
     finally:

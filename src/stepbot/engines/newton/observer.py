@@ -196,11 +196,11 @@ class _Loaded(Struct, frozen=True, dict=True):
         lower, upper = float(builder.joint_limit_lower[v]), float(builder.joint_limit_upper[v])
         velocity, effort = float(builder.joint_velocity_limit[v]), float(builder.joint_effort_limit[v])
         limit = Limit(
-            lower if lower > -NO_BOUND else -inf,
-            upper if upper < NO_BOUND else inf,
+            lower,
+            upper,
             velocity if velocity < builder.default_joint_cfg.velocity_limit else inf,
             effort if effort < builder.default_joint_cfg.effort_limit else inf,
-        )
+        ).without_beyond(NO_BOUND)
         actuated = self.actuator(i) is not None
         return ObservedJoint(
             name,

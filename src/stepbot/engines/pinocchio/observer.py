@@ -18,7 +18,7 @@ from stepbot.geometry.spatial import Array, Pose, matrix3, quaternion_from_rotat
 from stepbot.robot.dynamics import GRAVITY, Rates
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 
-from ..ball_coordinates import ball_bias, ball_rates, inner_joints
+from ..ball_coordinates import Velocities, inner_joints
 from ..captured_output import printed
 from ..distribution import provider
 from ..observation import (
@@ -268,16 +268,13 @@ class _Built(Struct, frozen=True, dict=True):
             if ball in joints and joints[ball].shortname() == "JointModelSpherical"
         ]
 
-    def rates(self, at: Mapping[str, float]) -> Array:
-        """Pinocchio's velocities per unit speed of each coordinate, shape (nv, n)."""
-        E = np.zeros((self.model.nv, len(self.columns)))
-        column = {name: i for i, name in enumerate(self.columns)}
-        for name, index in self.columns.items():
-            if self.model.joints[index].nv == 1:
-                E[self.model.joints[index].idx_v, column[name]] = 1.0
-        for names, _, start in self._balls:
-            E[start : start + 3, [column[name] for name in names]] = ball_rates([at.get(name, 0.0) for name in names])
-        return E
+    @cached_property
+    def velocities(self) -> Velocities:
+        """Pinocchio's velocities from those of the coordinates."""
+        joints = {name: self.model.joints[index] for name, index in self.columns.items()}
+        single = [(joint.idx_v, name, 1.0) for name, joint in joints.items() if joint.nv == 1]
+        balls = [(names, start) for names, _, start in self._balls]
+        return Velocities(self.model.nv, tuple(self.columns), single, balls)
 
     def poses(self, data: Any, at: Mapping[str, float]) -> dict[str, Pose]:
         """Pose of every link relative to the first."""
@@ -291,14 +288,9 @@ class _Built(Struct, frozen=True, dict=True):
     def dynamics(self, data: Any, at: Mapping[str, float], rates: Rates) -> Dynamics:
         """Mass matrix, gravity forces and inverse dynamics in the coordinates."""
         engine, model, q = self.engine, self.model, self.q(at)
-        E = self.rates(at)
-        v, a = (np.array([float(rate.get(name, 0.0)) for name in self.columns]) for rate in rates)
+        E = self.velocities.rates(at)
         upper = np.triu(np.array(engine.crba(model, data, q)))
         M = upper + np.triu(upper, 1).T
         gravity = np.array(engine.computeGeneralizedGravity(model, data, q))
-        acceleration = E @ a
-        for names, _, start in self._balls:
-            angles, speeds = ([float(given.get(name, 0.0)) for name in names] for given in (at, rates[0]))
-            acceleration[start : start + 3] += ball_bias(angles, speeds)
-        inverse = np.array(engine.rnea(model, data, q, E @ v, acceleration))
+        inverse = np.array(engine.rnea(model, data, q, *self.velocities.moving(at, rates)))
         return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)

@@ -303,12 +303,7 @@ def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
         kind = "continuous" if kind == "revolute" else kind
     # loadSDF reads no limits of continuous joints, so their effort and velocity are not reported.
     silent = written_in == "sdf" and not (info[10] or info[11])
-    limit = Limit(
-        lower=-inf if lower <= -_NO_LIMIT else lower,
-        upper=inf if upper >= _NO_LIMIT else upper,
-        velocity=info[11] or inf,
-        effort=info[10] or inf,
-    )
+    limit = Limit(lower, upper, velocity=info[11] or inf, effort=info[10] or inf).without_beyond(_NO_LIMIT)
     return ObservedJoint(
         body.name(index),
         kind,

@@ -119,6 +119,12 @@ def read_pose(element: Element | None) -> Pose:
     return Pose.from_xyz_rpy(values[:3], angles)
 
 
+def relative_to(element: Element) -> str:
+    """The frame that the pose of an element is relative to; empty if it names none."""
+    pose = element.find("pose")
+    return "" if pose is None else pose.get("relative_to", "")
+
+
 class Frames:
     """The frames of a model: the model itself, its links, joints and frames."""
 
@@ -164,10 +170,6 @@ class Frames:
             name = (element.get("attached_to") or MODEL) if element.tag == "frame" else ends(element)[1]
         raise EngineRefused(f"frame '{name}' is attached to itself")
 
-    def _relative_to(self, element: Element) -> str:
-        pose = element.find("pose")
-        return "" if pose is None else pose.get("relative_to", "")
-
     def _resolved(self, name: str, above: tuple[str, ...]) -> Pose:
         if name in self._known:
             return self._known[name]
@@ -176,7 +178,7 @@ class Frames:
         element = self._element.get(name)
         if element is None:
             raise EngineRefused(f"no frame '{name}'")
-        base = self._relative_to(element) or _DEFAULT_BASE[str(element.tag)](element)
+        base = relative_to(element) or _DEFAULT_BASE[str(element.tag)](element)
         X = self._resolved(base, (*above, name)) @ read_pose(element)
         self._known[name] = X
         return X

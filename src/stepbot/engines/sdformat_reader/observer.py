@@ -34,7 +34,7 @@ from ..observation import (
     Request,
 )
 from ..parsed_motion import NOTE, with_motion
-from ..resources import box_around, mesh_file_bounds
+from ..resources import mesh_file_bounds, with_shapes
 from ..xml import Element
 from . import ENGINE
 from .frames import MODEL, WORLD, Frames, bool_at, ends, number_at, numbers, read_pose, three_at
@@ -110,23 +110,16 @@ def _link(link: Element, file: Path) -> tuple[ObservedLink, list[str]]:
     X_LI = read_pose(inertial)
     mass = number_at(inertial, "mass", 1.0)  # the specification's default
     inertia = np.array([[_inertia(inertial, i, j) for j in "xyz"] for i in "xyz"])
-    visuals, collisions = link.findall("visual"), link.findall("collision")
-    seen, lost = shapes_of(visuals, file)
-    touched, lost_too = shapes_of(collisions, file)
+    visuals, lost = shapes_of(link.findall("visual"), file)
+    collisions, lost_too = shapes_of(link.findall("collision"), file)
     observed = ObservedLink(
         link.get("name", ""),
         mass,
         X_LI.position,
         matrix3(turn_inertia(X_LI.R, inertia)),
-        box_around(seen),
-        box_around(touched),
-        has_visuals=bool(visuals),
-        has_collisions=bool(collisions),
-        visuals=seen,
-        collisions=touched,
         gravity_compensation=0.0 if bool_at(link, "gravity", True) else 1.0,
     )
-    return observed, lost + lost_too
+    return with_shapes(observed, visuals, collisions), lost + lost_too
 
 
 def _gravity(model: Element) -> tuple[float, ...]:
@@ -227,13 +220,9 @@ def _dynamics(axis: Element) -> JointDynamics:
 
 def _limit(axis: Element) -> Limit:
     lower, upper = number_at(axis, "limit/lower", -inf), number_at(axis, "limit/upper", inf)
-    velocity, effort = number_at(axis, "limit/velocity", inf), number_at(axis, "limit/effort", inf)
-    return Limit(
-        lower=-inf if lower <= -NO_LIMIT else lower,
-        upper=inf if upper >= NO_LIMIT else upper,
-        velocity=inf if velocity < 0.0 else velocity,
-        effort=inf if effort < 0.0 else effort,
-    )
+    velocity, effort = (number_at(axis, f"limit/{name}", inf) for name in ("velocity", "effort"))
+    limit = Limit(lower, upper, inf if velocity < 0.0 else velocity, inf if effort < 0.0 else effort)
+    return limit.without_beyond(NO_LIMIT)
 
 
 def _mimic(axis: Element) -> Mimic | None:

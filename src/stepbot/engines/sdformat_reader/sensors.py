@@ -12,7 +12,7 @@ from stepbot.robot.sensors import SensorKind
 
 from ..observation import ObservedSensor
 from ..xml import Element
-from .frames import Frames, count_at, ends, number_at, read_pose
+from .frames import Frames, count_at, ends, number_at, read_pose, relative_to
 
 _KINDS = {
     "imu": SensorKind.IMU,
@@ -30,19 +30,13 @@ def model_sensors(model: Element, frames: Frames) -> Iterator[ObservedSensor]:
         name = link.get("name", "")
         shapes = [collision.get("name", "") for collision in link.findall("collision")]
         for sensor in link.findall("sensor"):
-            X_LS = frames.X_M(name).inverse() @ frames.X_M(_base(sensor) or name) @ read_pose(sensor)
+            X_LS = frames.X_M(name).inverse() @ frames.X_M(relative_to(sensor) or name) @ read_pose(sensor)
             yield read_sensor(sensor, name, X_LS, shapes=shapes)
     for joint in model.findall("joint"):
         name, child = joint.get("name", ""), frames.link_of(ends(joint)[1])
         for sensor in joint.findall("sensor"):
-            X_LS = frames.X_M(child).inverse() @ frames.X_M(_base(sensor) or name) @ read_pose(sensor)
+            X_LS = frames.X_M(child).inverse() @ frames.X_M(relative_to(sensor) or name) @ read_pose(sensor)
             yield read_sensor(sensor, child, X_LS, joint=name)
-
-
-def _base(sensor: Element) -> str:
-    """The frame that a sensor's pose is relative to, if it names one."""
-    pose = sensor.find("pose")
-    return "" if pose is None else pose.get("relative_to", "")
 
 
 def read_sensor(

@@ -30,7 +30,7 @@ from stepbot.robot.surfaces import Surface
 from ..distribution import provider
 from ..observation import Observation, ObservedLink, ObservedShape, Quantity, Request, sorted_pairs
 from ..parsed_motion import NOTE, with_motion
-from ..resources import box_around
+from ..resources import with_shapes
 from . import ENGINE
 from .joints import (
     Branch,
@@ -99,16 +99,7 @@ def _link(stage: Stage, body: Body) -> ObservedLink:
     from pxr import UsdPhysics
 
     visuals, collisions = shapes(stage, body)
-    seen = ObservedLink(
-        body.name,
-        visual_bounds=box_around(visuals),
-        collision_bounds=box_around(collisions),
-        has_visuals=bool(visuals),
-        has_collisions=bool(collisions),
-        visuals=visuals,
-        collisions=collisions,
-        gravity_compensation=0.0,
-    )
+    seen = with_shapes(ObservedLink(body.name, gravity_compensation=0.0), visuals, collisions)
     api = UsdPhysics.MassAPI(body.prim)
     mass, com = api.GetMassAttr().Get(), api.GetCenterOfMassAttr().Get()
     moments, axes = api.GetDiagonalInertiaAttr().Get(), api.GetPrincipalAxesAttr().Get()

@@ -213,12 +213,7 @@ def _limit(parameters: Node, devices: list[Node]) -> Limit:
     lower, upper = next((pair for pair in pairs if any(pair)), (-inf, inf))
     effort = motor.number("maxForce" if motor.type == "LinearMotor" else "maxTorque", inf)
     velocity = motor.number("maxVelocity", inf)
-    return Limit(
-        -inf if lower <= -NO_LIMIT else lower,
-        inf if upper >= NO_LIMIT else upper,
-        inf if velocity >= NO_LIMIT else velocity,
-        inf if effort >= NO_LIMIT else effort,
-    )
+    return Limit(lower, upper, velocity, effort).without_beyond(NO_LIMIT, NO_LIMIT)
 
 
 def _sensor(node: Node, link: str) -> ObservedSensor:

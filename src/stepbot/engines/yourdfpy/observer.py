@@ -3,9 +3,7 @@
 It has no dynamics; meshes are checked by the simulating engines only. https://github.com/clemense/yourdfpy
 """
 
-import logging
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from math import inf
 from typing import Any
 
@@ -17,6 +15,7 @@ from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.runtime.import_path import import_lightly
 
+from ..captured_output import logged
 from ..distribution import provider
 from ..observation import (
     EngineCannotRead,
@@ -62,7 +61,7 @@ def observe(request: Request) -> Observation:
     """
     import yourdfpy as engine
 
-    with readable(request, capsules=False) as (read, notes), _warnings() as warnings:
+    with readable(request, capsules=False) as (read, notes), logged("yourdfpy") as warnings:
         try:
             urdf = engine.URDF.load(read.file, load_meshes=False, build_collision_scene_graph=False)
             urdf.validate()
@@ -95,23 +94,6 @@ def observe(request: Request) -> Observation:
         not_run=not_run,
         notes=notes,
     )
-
-
-@contextmanager
-def _warnings() -> Iterator[list[str]]:
-    """Collect yourdfpy's log messages from warning level up."""
-    collected: list[str] = []
-
-    class Collector(logging.Handler):
-        def emit(self, record: logging.LogRecord) -> None:
-            collected.append(record.getMessage())
-
-    logger, collector = logging.getLogger("yourdfpy"), Collector(logging.WARNING)
-    logger.addHandler(collector)
-    try:
-        yield collected
-    finally:
-        logger.removeHandler(collector)
 
 
 def _link(link: Any) -> ObservedLink:
