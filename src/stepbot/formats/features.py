@@ -1,5 +1,6 @@
 """Features that a robot may have and a format may lack, and how a format declares its support."""
 
+from collections.abc import Mapping
 from enum import StrEnum
 from math import inf
 
@@ -151,3 +152,29 @@ def deferred(how: str) -> Support:
 def refused(how: str) -> Support:
     """A robot that has it cannot be written: an error."""
     return Support(Level.REFUSED, how, "SB764")
+
+
+USUAL: Mapping[Feature, Support] = {
+    Feature.MASSLESS: altered("links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
+    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
+    Feature.SPIN: reported("torsional and rolling friction are omitted"),
+    Feature.SOFTNESS: reported("softness of contacts is omitted"),
+    Feature.MIXED_SURFACE: altered("a link has the contact properties of its shape with most friction"),
+    Feature.UNIVERSAL: altered("a universal joint is written as two continuous joints"),
+    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.SCREW: altered("a screw joint is written as a revolute joint and a prismatic one that mimics it"),
+    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: reported("damping, friction and springs of ball joints are omitted"),
+    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
+    Feature.ARMATURE: reported("armatures are omitted"),
+    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
+    Feature.MIXED_MIMIC: reported("mimics between angles and distances are omitted"),
+    Feature.GEAR: lowered("gears are folded into gains and inputs, which apply at the joint"),
+    Feature.ACTUATOR_INPUT: reported("input bounds are the limits of the joints"),
+    Feature.OFF_JOINT: reported("torques are about the joint's origin"),
+    Feature.OPEN_VIEW: lowered("missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.FRAME_NAME: altered("links, joints and frames share one namespace"),
+}
+"""What becomes of a feature in most of the formats that lack it."""

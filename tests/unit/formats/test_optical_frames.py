@@ -50,6 +50,16 @@ def test_urdf_has_a_link_for_each_camera() -> None:
     assert set(named) <= links
 
 
+def test_images_are_in_a_frame_that_is_renamed() -> None:
+    """A frame with the name of a joint has another one in SDFormat, which images in it name."""
+    robot = equipped()
+    taken = robot.joints[0].name
+    sensors = tuple(replace(one, frame=taken) if one.name == "camera" else one for one in robot.sensors)
+    top = written(replace(robot, frames=(Frame(taken, "eye", OPTICAL),), sensors=sensors), "sdf", ".sdf")
+    assert f"{taken}_frame" in [frame.get("name") for frame in top.findall("model/frame")]
+    assert top.findtext(".//sensor[@name='camera']/gz_frame_id") == f"{taken}_frame"
+
+
 def test_sdformat_has_a_frame_for_each_camera() -> None:
     """A frame of the format, attached to the camera's link."""
     top = written(equipped(), "sdf", ".sdf")

@@ -13,6 +13,7 @@ from stepbot.robot.model import Actuator, ActuatorKind, Frame, JointKind, Limit,
 from stepbot.robot.sensors import OPTICAL, SEEING, Sensor, SensorKind
 
 from .joints import UNLIMITED, frames_as_links
+from .names import names_of
 
 NEAREST, FARTHEST = 0.1, 100.0
 """Range [m] of a camera or a lidar if a format requires one and the robot has none: SDFormat's default for a camera."""
@@ -117,8 +118,7 @@ def has_place(sensor: Sensor) -> bool:
 
 def sensors_as_links(robot: Robot) -> Robot:
     """The robot with a massless link on a fixed joint for every sensor that is not at the origin of its link."""
-    taken = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
-    taken |= {closure.name for closure in robot.closures}
+    taken = set(names_of(robot, "links", "joints", "closures"))
     frames: list[Frame] = []
     sensors: list[Sensor] = []
     for sensor in robot.sensors:
@@ -138,8 +138,7 @@ def lacks_optical_frame(sensor: Sensor) -> bool:
 
 def with_optical_frames(robot: Robot) -> Robot:
     """The robot with an optical frame for every camera, by which its images are named; one that exists is kept."""
-    taken = {link.name for link in robot.links} | {frame.name for frame in robot.frames}
-    taken |= {joint.name for joint in robot.joints} | {closure.name for closure in robot.closures}
+    taken = set(names_of(robot, "links", "joints", "closures", "frames"))
     added: list[Frame] = []
     sensors: list[Sensor] = []
     for sensor in robot.sensors:

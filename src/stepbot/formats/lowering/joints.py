@@ -4,18 +4,21 @@ Some formats have hinges with stops around 0, and limits of effort and velocity 
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache
 from math import inf, isfinite, isinf, pi
 
 import numpy as np
 from msgspec.structs import replace
 
+from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.robot.dynamics import free_mass_matrix
 from stepbot.robot.kinematics import displacement, mimic_relation
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Mimic, Robot
+
+from .names import names_of
 
 UNLIMITED = 1e9
 """Value for an unlimited quantity if a format requires a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
@@ -238,21 +241,39 @@ def _moved_spring(dynamics: JointDynamics, by: float) -> float:
 def joints_in_loops(robot: Robot) -> set[str]:
     """Joints on the path through the tree from one side of a closure to the other."""
     above = {joint.child: joint for joint in robot.joints}
-
-    def way_up(link: str) -> list[str]:
-        joints = []
-        while link in above:
-            joints.append(above[link].name)
-            link = above[link].parent
-        return joints
-
+    ways = ([{joint.name for joint in way_up(link, above)} for link in (c.link_a, c.link_b)] for c in robot.closures)
     # The common part of both paths to the root is above the loop.
-    return {name for c in robot.closures for name in set(way_up(c.link_a)) ^ set(way_up(c.link_b))}
+    return {name for a, b in ways for name in a ^ b}
+
+
+def way_up(link: str, above: Mapping[str, Joint]) -> Iterator[Joint]:
+    """The joints from a link up to the root.
+
+    Args:
+        above: By their children.
+    """
+    while link in above:
+        yield above[link]
+        link = above[link].parent
+
+
+def closure_points(closure: LoopClosure) -> list[Array]:
+    """Points of F [m] that represent a closure by what constrains points: one, two of an axis, three of a body.
+
+    They are as far from F as F is from the frames of the links, so that all constraints weigh the same.
+    """
+    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
+    if closure.kind is JointKind.BALL:
+        return [np.zeros(3)]
+    if closure.kind is JointKind.FIXED:
+        x, y, _ = perpendicular_frame(closure.axis).T
+        return [np.zeros(3), reach * x, reach * y]
+    return [np.zeros(3), reach * np.array(closure.axis)]
 
 
 def frames_as_links(robot: Robot) -> Robot:
     """The robot with a massless link on a fixed joint for every frame."""
-    taken = {joint.name for joint in robot.joints} | {closure.name for closure in robot.closures}
+    taken = set(names_of(robot, "joints", "closures"))
     joints = tuple(
         Joint(
             free_name(f"{frame.name}_mount", "_joint", taken),

@@ -2,17 +2,20 @@
 
 from collections.abc import Callable, Mapping
 
-from msgspec.structs import replace
-
 from stepbot.robot.mesh_names import free_name
-from stepbot.robot.model import Joint, Robot
+from stepbot.robot.model import Robot
+from stepbot.robot.renaming import NewNames, renamed
 
 
 def reserved(robot: Robot, reserves: Callable[[str], bool]) -> list[str]:
     """Names of links, joints, closures and frames that the format reserves."""
-    names = [*(link.name for link in robot.links), *(joint.name for joint in robot.joints)]
-    names += [*(closure.name for closure in robot.closures), *(frame.name for frame in robot.frames)]
-    return [f"'{name}'" for name in dict.fromkeys(names) if reserves(name)]
+    names = dict.fromkeys(names_of(robot, "links", "joints", "closures", "frames"))
+    return [f"'{name}'" for name in names if reserves(name)]
+
+
+def names_of(robot: Robot, *kinds: str) -> list[str]:
+    """The names of the elements of some kinds, which are fields of the robot."""
+    return [element.name for kind in kinds for element in getattr(robot, kind)]
 
 
 def renamed_joints(robot: Robot) -> list[str]:
@@ -24,18 +27,7 @@ def renamed_joints(robot: Robot) -> list[str]:
 def rename_joints(robot: Robot) -> Robot:
     """The robot with a unique name for every link, joint and closure; links keep theirs."""
     joints, closures = _joint_names(robot)
-
-    def renamed(joint: Joint) -> Joint:
-        mimic = replace(joint.mimic, joint=joints[joint.mimic.joint]) if joint.mimic else None
-        return replace(joint, name=joints[joint.name], mimic=mimic)
-
-    return replace(
-        robot,
-        joints=tuple(renamed(joint) for joint in robot.joints),
-        closures=tuple(replace(closure, name=closures[closure.name]) for closure in robot.closures),
-        actuators=tuple(replace(actuator, joint=joints[actuator.joint]) for actuator in robot.actuators),
-        sensors=tuple(replace(s, joint=joints[s.joint]) if s.joint else s for s in robot.sensors),
-    )
+    return renamed(robot, joint=NewNames(joints=joints).joint, closure=closures.__getitem__)
 
 
 def renamed_frames(robot: Robot) -> list[str]:
@@ -45,20 +37,18 @@ def renamed_frames(robot: Robot) -> list[str]:
 
 def rename_frames(robot: Robot) -> Robot:
     """The robot with a unique name for every frame."""
-    names = _frame_names(robot)
-    return replace(robot, frames=tuple(replace(frame, name=names[frame.name]) for frame in robot.frames))
+    return renamed(robot, frame=_frame_names(robot).__getitem__)
 
 
 def _joint_names(robot: Robot) -> tuple[dict[str, str], dict[str, str]]:
-    taken = {link.name for link in robot.links}
+    taken = set(names_of(robot, "links"))
     joints = {joint.name: free_name(joint.name, "_joint", taken) for joint in robot.joints}
     closures = {closure.name: free_name(closure.name, "_closure", taken) for closure in robot.closures}
     return joints, closures
 
 
 def _frame_names(robot: Robot) -> dict[str, str]:
-    taken = {link.name for link in robot.links} | {joint.name for joint in robot.joints}
-    taken |= {closure.name for closure in robot.closures}
+    taken = set(names_of(robot, "links", "joints", "closures"))
     return {frame.name: free_name(frame.name, "_frame", taken) for frame in robot.frames}
 
 

@@ -14,6 +14,8 @@ from stepbot.geometry.spatial import Pose, Vector3, tidy
 from stepbot.robot.model import Collision, Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Robot, Visual
 from stepbot.robot.sensors import PLACED, SensorKind
 
+from .joints import way_up
+
 _CLOSES_AS = {
     JointKind.REVOLUTE: JointKind.REVOLUTE,
     JointKind.CONTINUOUS: JointKind.REVOLUTE,
@@ -48,17 +50,9 @@ def reroot_loops(robot: Robot) -> Robot:
 def _way_to_cut(robot: Robot, closure: LoopClosure) -> tuple[Joint, ...]:
     """The joints from one side of a closure up to the nearest one at which the loop can be cut; empty without one."""
     above = {joint.child: joint for joint in robot.joints}
-
-    def way_up(link: str) -> list[Joint]:
-        joints = []
-        while link in above:
-            joints.append(above[link])
-            link = above[link].parent
-        return joints
-
     # A reversed joint would report the opposite force.
     weighed = {sensor.joint for sensor in robot.sensors if sensor.kind is SensorKind.FORCE_TORQUE}
-    up_a, up_b = way_up(closure.link_a), way_up(closure.link_b)
+    up_a, up_b = (list(way_up(link, above)) for link in (closure.link_a, closure.link_b))
     shared = {joint.name for joint in up_a} & {joint.name for joint in up_b}
     ways = []
     for joints in ([joint for joint in up if joint.name not in shared] for up in (up_b, up_a)):

@@ -15,10 +15,11 @@ from stepbot.robot.dynamics import mobilities
 from stepbot.robot.gains import actuator_limit, line_damping
 from stepbot.robot.kinematics import mimic_relation
 from stepbot.robot.mesh_names import MOTOR_LINE, SCOPE
-from stepbot.robot.model import Actuator, JointKind, Link, LoopClosure, Mimic, Robot
+from stepbot.robot.model import Actuator, JointKind, Link, Mimic, Robot
 from stepbot.robot.multi_dof import screw_to_mimic, steps_by_child
 from stepbot.robot.simulation_settings import Settings, settings_of
 
+from ..lowering.joints import closure_points
 from ..xml import Element, Value, element
 from .devices import MARK, mjcf_pose
 
@@ -67,14 +68,9 @@ def closure_sites(body: Element, link: Link, robot: Robot) -> None:
                 name = f"{closure.name}{SCOPE}{side}"
                 element(body, "site", name=name, class_=MARK, **mjcf_pose(X_LF))
                 if closure.kind is JointKind.REVOLUTE:
-                    point = X_LF.apply(_second_point(closure)).tolist()
+                    _, on_axis = closure_points(closure)
+                    point = X_LF.apply(on_axis).tolist()
                     element(body, "site", name=f"{name}{SCOPE}axis", class_=MARK, pos=point)
-
-
-def _second_point(closure: LoopClosure) -> list[float]:
-    """A point of the axis, in F [m], as far from F as F is from the links' frames, so that all rows weigh the same."""
-    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
-    return [reach * direction for direction in closure.axis]
 
 
 def equality(top: Element, robot: Robot) -> None:

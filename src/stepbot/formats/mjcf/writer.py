@@ -34,7 +34,7 @@ from stepbot.robot.sensors import SensorKind
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.tuning import Integrator
 
-from ..features import Feature, altered, exact, lowered, refused, reported
+from ..features import USUAL, Feature, altered, exact, lowered, refused, reported
 from ..format import Companion
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, Value, document, element, root
@@ -43,6 +43,7 @@ from .devices import MARK, NEW, mjcf_pose
 from .scene import keyframe, scene
 
 EXPRESSES = {
+    **USUAL,
     Feature.FIXED_BASE: exact("child body of the world without a joint"),
     Feature.FLOATING_BASE: exact("`<freejoint>`, standing on z = 0"),
     Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
@@ -53,7 +54,6 @@ EXPRESSES = {
     Feature.DAE_VISUAL: lowered("MuJoCo does not read COLLADA; visual meshes are OBJ"),
     Feature.GLB_VISUAL: lowered("MuJoCo does not read glTF; visual meshes are OBJ"),
     Feature.STL_COLLISION: exact("as OBJ"),
-    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
     Feature.CAPSULE: exact("`capsule`"),
     Feature.FLAT_COLLISION: reported("MuJoCo cannot build the convex hull of a flat collision mesh; omitted"),
@@ -77,7 +77,6 @@ EXPRESSES = {
     Feature.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
     Feature.PLANAR: exact("two `slide` and a `hinge` in one body"),
     Feature.FLOATING: exact("three `slide` and a `ball` in one body"),
-    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
     Feature.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
     Feature.FAR_LIMIT: exact("as any limit"),
     Feature.PASSIVE_LIMIT: exact("as any limit"),
@@ -88,7 +87,6 @@ EXPRESSES = {
         "velocity limits are `<numeric>` data, which MuJoCo does not enforce; kv of a position actuator, up to effort "
         "/ velocity limit, is damping that its force range does not cut off (in 3.3 only in loops and with mimics)",
     ),
-    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
     Feature.SPRING: exact("`stiffness`, `springref`"),
     Feature.ARMATURE: exact("`armature`"),

@@ -7,12 +7,11 @@ discrete plant with the SAP solver for them.
 
 from collections.abc import Sequence
 
-import numpy as np
 from msgspec.structs import replace
 
-from stepbot.geometry.spatial import Array, perpendicular_frame
-from stepbot.robot.model import JointKind, LoopClosure, MeshFormats, Robot
+from stepbot.robot.model import JointKind, MeshFormats, Robot
 
+from ..lowering.joints import closure_points
 from ..xml import Element, element
 
 URI = "http://drake.mit.edu"
@@ -38,7 +37,7 @@ def for_drake(robot: Robot) -> Robot:
 def constrain(model: Element, robot: Robot) -> None:
     """Add the constraints of the loop closures; no closure is prismatic."""
     for closure in robot.closures:
-        for p_F in _points(closure):
+        for p_F in closure_points(closure):
             held = element(model, f"{{{URI}}}ball_constraint")
             _say(held, "body_A", closure.link_a)
             _say(held, "p_AP", closure.X_AF.apply(p_F).tolist())
@@ -48,14 +47,3 @@ def constrain(model: Element, robot: Robot) -> None:
 
 def _say(held: Element, name: str, value: str | Sequence[float]) -> None:
     element(held, f"{{{URI}}}ball_constraint_{name}", value)
-
-
-def _points(closure: LoopClosure) -> list[Array]:
-    """Points of F [m] that represent the closure: one, two of an axis, three of a body."""
-    reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
-    if closure.kind is JointKind.BALL:
-        return [np.zeros(3)]
-    if closure.kind is JointKind.FIXED:
-        x, y, _ = perpendicular_frame(closure.axis).T
-        return [np.zeros(3), reach * x, reach * y]
-    return [np.zeros(3), reach * np.array(closure.axis)]

@@ -32,8 +32,9 @@ from stepbot.robot.model import (
 )
 from stepbot.robot.surfaces import Surface
 
-from ..features import Feature, altered, deferred, exact, lowered, refused, reported
+from ..features import USUAL, Feature, altered, deferred, exact, lowered, refused, reported
 from ..format import Companion
+from ..lowering.names import names_of
 from ..lowering.rerooted_loops import reroot_loops
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root, text_of
@@ -49,6 +50,7 @@ SCREW_VERSION = "1.10"
 """The first version that has ``<screw_thread_pitch>``, whose sign and unit all readers agree on."""
 
 EXPRESSES = {
+    **USUAL,
     Feature.FIXED_BASE: exact("fixed joint to `world`"),
     Feature.FLOATING_BASE: exact("no joint to `world`"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass, along the axes of the link"),
@@ -59,7 +61,6 @@ EXPRESSES = {
     Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour"),
     Feature.GLB_VISUAL: exact("`.glb` with the colour, for Gazebo; PyBullet rejects the file"),
     Feature.STL_COLLISION: exact("as OBJ, in single precision; not read by Drake"),
-    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: exact("`<capsule>`"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
@@ -68,10 +69,8 @@ EXPRESSES = {
     Feature.NEIGHBOURS: exact("links of a model do not collide unless `<self_collide>` is set"),
     Feature.EXCLUDED_CONTACT: exact("links of a model do not collide unless `<self_collide>` is set"),
     Feature.SURFACE: exact("`<mu>`, `<mu2>`; of two shapes Gazebo takes the smaller"),
-    Feature.SPIN: reported("torsional and rolling friction are omitted"),
     Feature.BOUNCE: exact("`<restitution_coefficient>`"),
     Feature.DEAD_BOUNCE: exact("as any restitution"),
-    Feature.SOFTNESS: reported("softness of contacts is omitted"),
     Feature.MIXED_SURFACE: exact("a `<surface>` in each collision"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
@@ -79,25 +78,17 @@ EXPRESSES = {
     Feature.PRISMATIC: exact("`prismatic`"),
     Feature.BALL: exact("`ball`"),
     Feature.UNIVERSAL: exact("`universal`"),
-    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
     Feature.SCREW: exact("`screw` with `<screw_thread_pitch>`, of version 1.10"),
-    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
-    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
-    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
-    Feature.BALL_FORCE: reported("damping, friction and springs of ball joints are omitted"),
     Feature.FAR_LIMIT: exact("as any limit"),
     Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("±1e16, which the format defines as unlimited"),
     Feature.OPEN_EFFORT: exact("no element"),
     Feature.EFFORT: exact("`<effort>`"),
     Feature.VELOCITY: exact("`<velocity>`"),
-    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
-    Feature.ARMATURE: reported("armatures are omitted"),
     Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: lowered("`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
-    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: exact("`<mimic>`"),
     Feature.CLOSURE: exact(
         "a second joint to the child, which Gazebo's DART ignores; `drake:ball_constraint` in `<robot>.drake.sdf`"
@@ -110,13 +101,10 @@ EXPRESSES = {
     Feature.FRAME: exact("`<frame>` attached to its link"),
     Feature.ACTUATOR: lowered("actuators are Gazebo plugins, without a name"),
     Feature.SECOND_ACTUATOR: exact("a plugin each"),
-    Feature.GEAR: lowered("gears are folded into gains and inputs, which apply at the joint"),
-    Feature.ACTUATOR_INPUT: reported("input bounds are the limits of the joints"),
     Feature.UNLIMITED_ACTUATOR: lowered("a missing effort limit of an actuator is written as 1e9"),
     Feature.JOINT_SENSOR: lowered("joint sensors are Gazebo plugins, without a name"),
     Feature.IMU: exact("`imu`"),
     Feature.FORCE_TORQUE: exact("`force_torque` in its joint"),
-    Feature.OFF_JOINT: reported("torques are about the joint's origin"),
     Feature.CAMERA: exact("`camera`"),
     Feature.OPTICAL: lowered("images of these cameras are in frames `<camera>_optical_frame`"),
     Feature.LIDAR: exact("`gpu_lidar`"),
@@ -126,11 +114,9 @@ EXPRESSES = {
     Feature.ENCODER_RATE: reported("joint states are published in every step"),
     Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
     Feature.LIDAR_NEAREST: exact("`<range>`"),
-    Feature.OPEN_VIEW: lowered("missing sensor ranges are written as 0.1 m and 100 m"),
     Feature.TIMESTEP: exact("`<max_step_size>` in `<robot>.world.sdf`"),
     Feature.SOLVER: deferred("settings of the physics engine; Drake's ball constraints have no stiffness"),
     Feature.JOINT_NAME: altered("links, joints and frames share one namespace"),
-    Feature.FRAME_NAME: altered("links, joints and frames share one namespace"),
     Feature.RESERVED_NAME: refused("`world`, `__x__` and `a::b` are reserved"),
 }
 
@@ -215,8 +201,7 @@ def _link_poses(robot: Robot) -> dict[str, Pose]:
 
 
 def _world_joint_name(robot: Robot) -> str:
-    taken = {*robot.link_by_name, *robot.joint_by_name}
-    taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
+    taken = set(names_of(robot, "links", "joints", "closures", "frames"))
     return free_name(f"world_to_{robot.root.name}", "_joint", taken)
 
 

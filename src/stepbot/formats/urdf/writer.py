@@ -26,7 +26,7 @@ from stepbot.robot.model import (
     Visual,
 )
 
-from ..features import Feature, altered, deferred, exact, lowered, refused, reported
+from ..features import USUAL, Feature, altered, deferred, exact, lowered, refused, reported
 from ..format import Companion
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root
@@ -38,6 +38,7 @@ _CAPSULES, _SMOOTH = 1.1, 1.2
 """The versions that have quaternions and capsules, and that have limits of acceleration and jerk."""
 
 EXPRESSES = {
+    **USUAL,
     Feature.FIXED_BASE: deferred("the loading program decides whether the base is fixed"),
     Feature.FLOATING_BASE: deferred("the loading program decides whether the base is fixed"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
@@ -50,7 +51,6 @@ EXPRESSES = {
     Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour; not read by MuJoCo"),
     Feature.GLB_VISUAL: lowered("PyBullet rejects a URDF with glTF; visual meshes are OBJ"),
     Feature.STL_COLLISION: exact("as OBJ, in single precision; not read by Drake"),
-    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: lowered("a capsule is written as a cylinder and two spheres", _CAPSULES, "`<capsule>`"),
     Feature.FLAT_COLLISION: reported("MuJoCo rejects a URDF with a flat collision mesh; omitted"),
@@ -62,18 +62,11 @@ EXPRESSES = {
     Feature.SPIN: lowered("torsional and rolling friction are in PyBullet's `<contact>`"),
     Feature.BOUNCE: lowered("restitution is in PyBullet's `<contact>`"),
     Feature.DEAD_BOUNCE: exact("as any restitution"),
-    Feature.SOFTNESS: reported("softness of contacts is omitted"),
-    Feature.MIXED_SURFACE: altered("a link has the contact properties of its shape with most friction"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
     Feature.CONTINUOUS: exact("`continuous`"),
     Feature.PRISMATIC: exact("`prismatic`"),
     Feature.BALL: altered("a ball joint is written as yaw, pitch and roll joints, with gimbal lock at pitch = ±90°"),
-    Feature.UNIVERSAL: altered("a universal joint is written as two continuous joints"),
-    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
-    Feature.SCREW: altered("a screw joint is written as a revolute joint and a prismatic one that mimics it"),
-    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
-    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
     Feature.BALL_LIMIT: exact("limits of the yaw, pitch and roll joints"),
     Feature.BALL_FORCE: exact("forces on the yaw, pitch and roll joints"),
     Feature.FAR_LIMIT: exact("as any limit"),
@@ -91,10 +84,8 @@ EXPRESSES = {
     ),
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: lowered("springs are in `<gazebo>`"),
-    Feature.ARMATURE: reported("armatures are omitted"),
     Feature.STIFF_DAMPING: reported("PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints"),
     Feature.MIMIC: exact("`<mimic>`"),
-    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: exact("`<mimic>`"),
     Feature.CLOSURE: reported("a tree has no loops; left out"),
     Feature.SLIDING_CLOSURE: reported("a tree has no loops; left out"),
@@ -111,7 +102,6 @@ EXPRESSES = {
     Feature.JOINT_SENSOR: lowered("joint sensors are in `<ros2_control>`"),
     Feature.IMU: lowered("IMUs are in `<gazebo>` and `<ros2_control>`"),
     Feature.FORCE_TORQUE: lowered("force-torque sensors are in `<gazebo>` and `<ros2_control>`"),
-    Feature.OFF_JOINT: reported("torques are about the joint's origin"),
     Feature.CAMERA: lowered("cameras are in `<gazebo>`"),
     Feature.OPTICAL: lowered("images of these cameras are in links `<camera>_optical_frame`"),
     Feature.LIDAR: lowered("lidars are in `<gazebo>`"),
@@ -121,11 +111,9 @@ EXPRESSES = {
     Feature.ENCODER_RATE: reported("ros2_control reads all joints at its own rate"),
     Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
     Feature.LIDAR_NEAREST: exact("`<range>`"),
-    Feature.OPEN_VIEW: lowered("missing sensor ranges are written as 0.1 m and 100 m"),
     Feature.TIMESTEP: deferred(_SIMULATOR),
     Feature.SOLVER: deferred(f"{_SIMULATOR}; PyBullet's point-to-point constraints ignore `erp`"),
     Feature.JOINT_NAME: exact("links and joints have separate namespaces"),
-    Feature.FRAME_NAME: altered("links, joints and frames share one namespace"),
     Feature.RESERVED_NAME: refused("`world` is the world body"),
 }
 

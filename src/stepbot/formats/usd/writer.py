@@ -11,7 +11,7 @@ from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.kinematics import initial_configuration, link_poses, without_contacts
 from stepbot.robot.model import Base, Frame, Link, Robot
 
-from ..features import Feature, altered, deferred, exact, lowered, reported
+from ..features import USUAL, Feature, altered, deferred, exact, lowered, reported
 from ..format import Companion
 from . import FORMAT
 from .joints import JOINTS, joints, mark_link, mark_robot, mark_site, marked_joints
@@ -21,10 +21,10 @@ from .usda import Names, Prim, asset_path, layer, named, single, singles, writte
 
 _SENSORS = reported("sensors are omitted")
 EXPRESSES = {
+    **USUAL,
     Feature.FIXED_BASE: exact("`PhysicsFixedJoint` to the world"),
     Feature.FLOATING_BASE: exact("no joint to the world; standing on z = 0"),
     Feature.INERTIA: exact("`PhysicsMassAPI` with principal moments and axes, in single precision"),
-    Feature.MASSLESS: altered("links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
     Feature.MASSLESS_BODY: exact("as any link without mass"),
     Feature.MESH: exact("`Mesh` in `meshes/<robot>.usdc`, once for all links; visuals are instances"),
     Feature.STL_VISUAL: exact("in `meshes/<robot>.usdc`"),
@@ -40,37 +40,26 @@ EXPRESSES = {
     Feature.NEIGHBOURS: exact("joints disable it between their bodies"),
     Feature.EXCLUDED_CONTACT: exact("`PhysicsFilteredPairsAPI`"),
     Feature.SURFACE: exact("`PhysicsMaterialAPI` bound to the collision; of two shapes PhysX takes the average"),
-    Feature.SPIN: reported("torsional and rolling friction are omitted"),
     Feature.BOUNCE: exact("`restitution` of `PhysicsMaterialAPI`"),
     Feature.DEAD_BOUNCE: exact("as any restitution"),
-    Feature.SOFTNESS: reported("softness of contacts is omitted"),
     Feature.MIXED_SURFACE: exact("a material for each collision"),
     Feature.FIXED: exact("`PhysicsFixedJoint`"),
     Feature.REVOLUTE: exact("`PhysicsRevoluteJoint` with limits"),
     Feature.CONTINUOUS: exact("`PhysicsRevoluteJoint`"),
     Feature.PRISMATIC: exact("`PhysicsPrismaticJoint`"),
     Feature.BALL: exact("`PhysicsSphericalJoint`"),
-    Feature.UNIVERSAL: altered("a universal joint is written as two continuous joints"),
-    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
     Feature.SCREW: altered("a screw joint is written as a revolute joint and a prismatic one that follows it"),
-    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
-    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
-    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
-    Feature.BALL_FORCE: reported("damping, friction and springs of ball joints are omitted"),
     Feature.FAR_LIMIT: exact("as any limit"),
     Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("no attribute"),
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`maxForce` of the joint's drive"),
     Feature.VELOCITY: exact("`velocityLimit` of Newton's schema"),
-    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `friction` of Newton's schema"),
     Feature.SPRING: reported("springs are omitted"),
     Feature.ARMATURE: exact("`armature` of Newton's schema"),
     Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: exact("`NewtonMimicAPI`"),
-    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
-    Feature.MIXED_MIMIC: reported("mimics between angles and distances are omitted"),
     Feature.CLOSURE: exact("a joint that is excluded from the articulation"),
     Feature.SLIDING_CLOSURE: exact("a joint that is excluded from the articulation"),
     Feature.STUCK_CLOSURE: exact("a joint that is excluded from the articulation"),
@@ -80,8 +69,6 @@ EXPRESSES = {
     Feature.FRAME: exact("`Xform` in its link"),
     Feature.ACTUATOR: exact("`PhysicsDriveAPI`, with the name as `customData`"),
     Feature.SECOND_ACTUATOR: reported("a joint has one drive; its further actuators are omitted"),
-    Feature.GEAR: lowered("gears are folded into gains and inputs, which apply at the joint"),
-    Feature.ACTUATOR_INPUT: reported("input bounds are the limits of the joints"),
     Feature.UNLIMITED_ACTUATOR: exact("no attribute"),
     Feature.JOINT_SENSOR: _SENSORS,
     Feature.IMU: _SENSORS,

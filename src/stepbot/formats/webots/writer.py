@@ -7,10 +7,8 @@ Webots attaches to the world. Every joint has a position sensor with its name, b
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from stepbot.diagnostics import one_line
-from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, vector3
+from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.bounding_boxes import extent, floor_height, standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_files import MeshFiles
@@ -18,8 +16,9 @@ from stepbot.robot.model import Base, Joint, JointKind, Link, LoopClosure, Robot
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.version import __version__
 
-from ..features import Feature, altered, deferred, exact, lowered, reported
+from ..features import USUAL, Feature, altered, deferred, exact, lowered, reported
 from ..format import Companion
+from ..lowering.joints import closure_points
 from ..xml import number, text_of
 from . import FORMAT, proto_name
 from .nodes import (
@@ -36,17 +35,16 @@ from .vrml import Node, text
 HEADER = "#VRML_SIM R2023b utf8"
 _NO_SENSOR = reported("force-torque and contact sensors are omitted")
 EXPRESSES = {
+    **USUAL,
     Feature.FIXED_BASE: exact("a `Robot` without `Physics` around the base, which Webots attaches to the world"),
     Feature.FLOATING_BASE: exact("a `Robot` with `Physics`, standing on z = 0"),
     Feature.INERTIA: exact("`Physics` with mass, centre of mass and both vectors of the inertia"),
-    Feature.MASSLESS: altered("links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
     Feature.MASSLESS_BODY: exact("as any link without mass"),
     Feature.MESH: exact("`Mesh` with the OBJ, path relative to the file"),
     Feature.STL_VISUAL: exact("as OBJ, in single precision"),
     Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour"),
     Feature.GLB_VISUAL: lowered("`Mesh` has no glTF; visual meshes are OBJ"),
     Feature.STL_COLLISION: exact("as OBJ, in single precision"),
-    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`Box`, `Cylinder`, `Sphere`"),
     Feature.CAPSULE: exact("`Capsule`"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
@@ -58,34 +56,21 @@ EXPRESSES = {
     Feature.SPIN: exact("`rollingFriction` of `ContactProperties`"),
     Feature.BOUNCE: exact("`bounce` of `ContactProperties`"),
     Feature.DEAD_BOUNCE: exact("as any restitution"),
-    Feature.SOFTNESS: reported("softness of contacts is omitted"),
-    Feature.MIXED_SURFACE: altered("a link has the contact properties of its shape with most friction"),
     Feature.FIXED: exact("a `Solid` in its parent, merged by Webots"),
     Feature.REVOLUTE: exact("`HingeJoint` with stops"),
     Feature.CONTINUOUS: exact("`HingeJoint`"),
     Feature.PRISMATIC: exact("`SliderJoint`"),
     Feature.BALL: exact("`BallJoint`"),
-    Feature.UNIVERSAL: altered("a universal joint is written as two continuous joints"),
-    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
-    Feature.SCREW: altered("a screw joint is written as a revolute joint and a prismatic one that mimics it"),
-    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
-    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
-    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
-    Feature.BALL_FORCE: reported("damping, friction and springs of ball joints are omitted"),
     Feature.FAR_LIMIT: reported("a hinge has no such stops; only the motor keeps within the limits"),
     Feature.PASSIVE_LIMIT: reported("only motors have effort and velocity limits"),
     Feature.OPEN_POSITION: exact("no stops"),
     Feature.OPEN_EFFORT: exact("1e9 in a motor"),
     Feature.EFFORT: exact("`maxTorque`, `maxForce` of the motor"),
     Feature.VELOCITY: exact("`maxVelocity` of the motor"),
-    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`dampingConstant`, `staticFriction`"),
     Feature.SPRING: reported("springs are omitted: theirs have no rest position of their own"),
-    Feature.ARMATURE: reported("armatures are omitted"),
     Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: altered("mimics are motors coupled with that of the joint they follow, without offset"),
-    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
-    Feature.MIXED_MIMIC: reported("mimics between angles and distances are omitted"),
     Feature.CLOSURE: exact("a joint to a `SolidReference`; a fixed closure is three ball joints"),
     Feature.SLIDING_CLOSURE: exact("a `SliderJoint` to a `SolidReference`"),
     Feature.STUCK_CLOSURE: exact("a `SliderJoint` to a `SolidReference`"),
@@ -96,7 +81,6 @@ EXPRESSES = {
     Feature.ACTUATOR: lowered("actuators are motors, whose controller is Webots': gains and kind are omitted"),
     Feature.SECOND_ACTUATOR: reported("a joint has one motor; its further actuators are omitted"),
     Feature.GEAR: lowered("gears are folded into inputs, which apply at the joint"),
-    Feature.ACTUATOR_INPUT: reported("input bounds are the limits of the joints"),
     Feature.UNLIMITED_ACTUATOR: exact("1e9"),
     Feature.JOINT_SENSOR: reported("every joint has a position sensor, `<joint>_sensor`, in place of these"),
     Feature.IMU: exact("`InertialUnit`, `Accelerometer`, `Gyro`"),
@@ -111,7 +95,6 @@ EXPRESSES = {
     Feature.ENCODER_RATE: reported("the controller sets rates"),
     Feature.CAMERA_EXTRAS: exact("`near`, `far`"),
     Feature.LIDAR_NEAREST: exact("`minRange`"),
-    Feature.OPEN_VIEW: lowered("missing sensor ranges are written as 0.1 m and 100 m"),
     Feature.TIMESTEP: exact("`basicTimeStep` in `<robot>.wbt`"),
     Feature.SOLVER: deferred("settings of the physics engine"),
     Feature.JOINT_NAME: exact("joints have no names, their sensors have"),
@@ -232,15 +215,11 @@ def _joint_node(kind: JointKind, X_PJ: Pose, axis: tuple[float, float, float]) -
 
 def _closure(closure: LoopClosure) -> Iterator[Node]:
     """The joints that close a loop: one, or three ball joints in place of a fixed one."""
-    points: list[Array] = [np.zeros(3)]
-    kind = closure.kind
-    if kind is JointKind.FIXED:
-        reach = max(float(np.linalg.norm(X.p)) for X in (closure.X_AF, closure.X_BF)) or 0.1
-        x, y, _ = perpendicular_frame(closure.axis).T
-        points, kind = [np.zeros(3), reach * x, reach * y], JointKind.BALL
-    for p_F in points:
+    fixed = closure.kind is JointKind.FIXED
+    for p_F in closure_points(closure)[: None if fixed else 1]:
         X_AP = closure.X_AF @ Pose.of(position=p_F)
         end = Node("SolidReference").set("solidName", text(closure.link_b))
+        kind = JointKind.BALL if fixed else closure.kind
         yield _joint_node(kind, X_AP, closure.axis).set("endPoint", end)
 
 
