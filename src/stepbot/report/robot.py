@@ -12,7 +12,7 @@ from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Base, Frame, Joint, JointKind, Link, LoopClosure, Module, Robot
-from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
+from stepbot.robot.pybullet_closures import loop_constraints
 from stepbot.robot.self_collision import SelfCollision
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
@@ -105,7 +105,7 @@ def robot_document(report: Report, robot: Robot) -> Json:
             }
             for follower in loop_followers(robot)
         ],
-        "pybullet": [_loop_constraint(constraint) for constraint in loop_constraints(robot)],
+        "pybullet": [constraint.document for constraint in loop_constraints(robot)],
         "frames": [picked(frame, FRAME) for frame in robot.frames],
         "actuators": [_actuator(actuator) for actuator in robot.actuators],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
@@ -131,14 +131,6 @@ def _module(robot: Robot, module: Module) -> Json:
         "joints": [joint.name for joint in robot.joints if joint.child in links and joint.parent in links],
         "gains_alone": [{"actuator": name, "kp": kp, "kv": kv} for name, kp, kv in module.gains_alone],
     }
-
-
-def _loop_constraint(constraint: LoopConstraint) -> Json:
-    frames = {
-        name: {"xyz": list(position), "quaternion": list(turn)}
-        for name, (position, turn) in (("frame_a", constraint.frame_a), ("frame_b", constraint.frame_b))
-    }
-    return picked(constraint, "closure type link_a link_b frame_a frame_b axis", **frames)
 
 
 def _link(link: Link) -> Json:

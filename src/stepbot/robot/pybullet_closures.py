@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
+from msgspec.structs import asdict
 
 if TYPE_CHECKING:
     from stepbot.geometry.spatial import Pose
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from .model import LoopClosure, Robot
 
 SECOND_POINT = 0.05
-"""Distance [m] along the axis of a pin at which a second point is constrained, if one point is not sufficient."""
+"""Distance [m] along the axis of a pin at which a second point is constrained, to keep axes aligned."""
 
 Numbers = tuple[float, ...]
 
@@ -36,6 +37,15 @@ class LoopConstraint(Struct, frozen=True):
     axis: Numbers
     """Shape (3,), in ``frame_a``."""
 
+    @property
+    def document(self) -> dict[str, Any]:
+        """The entry in ``report.json``."""
+        frames = {
+            name: {"xyz": list(position), "quaternion": list(turn)}
+            for name, (position, turn) in (("frame_a", self.frame_a), ("frame_b", self.frame_b))
+        }
+        return {**asdict(self), **frames, "axis": list(self.axis)}
+
 
 def loop_constraints(robot: "Robot") -> tuple[LoopConstraint, ...]:
     """The constraints for the closures of a robot.
@@ -45,10 +55,15 @@ def loop_constraints(robot: "Robot") -> tuple[LoopConstraint, ...]:
     from .closures import held_by_a_point
 
     by_a_point = held_by_a_point(robot) if robot.closures else ()
-    return tuple(made for closure in robot.closures for made in _constraints(closure, closure.name in by_a_point))
+    return tuple(made for closure in robot.closures for made in constraints_of(closure, closure.name in by_a_point))
 
 
-def _constraints(closure: "LoopClosure", by_a_point: bool) -> list[LoopConstraint]:
+def constraints_of(closure: "LoopClosure", by_a_point: bool) -> list[LoopConstraint]:
+    """The constraints for one closure.
+
+    Args:
+        by_a_point: Whether one point of its axis is sufficient.
+    """
     from stepbot.geometry.spatial import Pose
 
     from .model import JointKind

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from math import sqrt
 from pathlib import Path
 
-from msgspec.structs import asdict, replace
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
@@ -177,7 +177,7 @@ def written(robot: Robot, folder: Path) -> None:
 def stage_of(robot: Robot, engine: str, folder: Path) -> Stage:
     """A robot in an engine, its poses surveyed."""
     files = files_of(robot, folder)
-    constraints = tuple(_document(one) for one in map(asdict, loop_constraints(robot)))
+    constraints = tuple(one.document for one in loop_constraints(robot))
     mechanism = mechanism_of(robot, constraints)
     kind: Callable[..., Simulation] = MujocoSimulation if engine == "mujoco" else PybulletSimulation
 
@@ -188,12 +188,3 @@ def stage_of(robot: Robot, engine: str, folder: Path) -> Stage:
     fingers = (*pairs, *jaw_candidates(mechanism, pairs))
     poses = survey(str(files["mujoco"]), mechanism, fingers, 0.2)
     return Stage(opened, mechanism, poses, wheels_of(mechanism), limbs_of(mechanism))
-
-
-def _document(constraint: dict[str, object]) -> dict[str, object]:
-    """A constraint as ``report.json`` has it."""
-    frames = {}
-    for name in ("frame_a", "frame_b"):
-        position, turn = constraint[name]  # type: ignore[misc]
-        frames[name] = {"xyz": position, "quaternion": turn}
-    return {**constraint, **frames}

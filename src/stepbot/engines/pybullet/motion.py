@@ -8,9 +8,9 @@ import numpy as np
 from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import JointKind, LoopClosure, Mimic
+from stepbot.robot.pybullet_closures import SECOND_POINT, add_constraints, constraints_of
 
 from ..observation import ObservedClosure, Request
 
@@ -36,10 +36,6 @@ SPEED = 1.0
 """Speed of a driven joint [rad/s]."""
 SLIDING_SPEED = 0.1
 """Speed of a driven prismatic joint [m/s]."""
-SECOND_POINT = 0.05
-"""Distance [m] along the axis of a revolute closure at which a second point is constrained, to keep axes aligned."""
-_HELD_BY_FRAMES = frozenset({JointKind.FIXED, JointKind.PRISMATIC})
-"""Types of closures with a PyBullet constraint of their own; the others are constrained by points."""
 _GEAR_CORRECTION = 0.2
 """Part of a mimic's error in position that each step corrects: without, the errors of all steps add up, and pull the
 loops apart that imply the same motion."""
@@ -166,7 +162,7 @@ def _driven(
     # By default a sweep ends early where velocities are small: loops that move slowly stick, and open.
     threshold = 0.0 if slowly else _THRESHOLD
     engine.setPhysicsEngineParameter(numSolverIterations=sweeps, solverResidualThreshold=threshold)
-    held = [_Held(body, closure, _points(closure, request)) for closure in closures]
+    held = [_Held(body, closure, closure.name in request.held_by_a_point) for closure in closures]
     # What mimics a driven joint is driven, too: gears give way, and near a dead centre loops multiply that.
     driven = [one for one in body.coordinates if one in joints and _leader(request, one) in request.driven]
     geared = {name: mimic for name, mimic in request.mimics.items() if name in joints and name not in driven}
@@ -219,48 +215,20 @@ def _leader(request: Request, name: str) -> str:
 
 
 class _Held:
-    """A closure as constraints; points are given in the inertial frames of the links."""
+    """A closure as constraints, as programs add them to a body."""
 
-    def __init__(self, body: "Body", closure: LoopClosure, points: Sequence[Array]) -> None:
+    def __init__(self, body: "Body", closure: LoopClosure, by_a_point: bool) -> None:
         self.observed = ObservedClosure(closure.name, closure.kind.value, closure.link_a, closure.link_b)
         self.widest = 0.0
         self._body, self._closure = body, closure
         self._ends = []
-        self._constraints: list[int] = []
+        """Indices of both links, and the frame of the closure in their inertial frames."""
         for link, X_LF in ((closure.link_a, closure.X_AF), (closure.link_b, closure.X_BF)):
             index = body.links.index(link) - 1
             self._ends.append((index, body.X_LI[index + 1].inverse() @ X_LF))
-        (a, X_IF), (b, X_JF) = self._ends
-        if closure.kind in _HELD_BY_FRAMES:
-            self._hold_frames(closure)
-            return
-        for p_F in points:
-            point = body.engine.createConstraint(
-                body.id,
-                a,
-                body.id,
-                b,
-                body.engine.JOINT_POINT2POINT,
-                [0, 0, 0],
-                X_IF.apply(p_F).tolist(),
-                X_JF.apply(p_F).tolist(),
-            )
-            body.engine.changeConstraint(point, maxForce=strength(body))
-            self._constraints.append(point)
-
-    def _hold_frames(self, closure: LoopClosure) -> None:
-        """Add a constraint of the closure's own type."""
-        engine = self._body.engine
-        (a, X_IF), (b, X_JF) = self._ends
-        # PyBullet slides along the axis of the first link's inertial frame.
-        turned = [(x, y, z, w) for w, x, y, z in (X_IF.quaternion, X_JF.quaternion)]
-        kind = engine.JOINT_FIXED if closure.kind is JointKind.FIXED else engine.JOINT_PRISMATIC
-        axis = X_IF.turn(closure.axis).tolist()
-        held = engine.createConstraint(
-            self._body.id, a, self._body.id, b, kind, axis, X_IF.position, X_JF.position, *turned
-        )
-        engine.changeConstraint(held, maxForce=strength(self._body))
-        self._constraints.append(held)
+        self._constraints = add_constraints(body.id, [one.document for one in constraints_of(closure, by_a_point)])
+        for constraint in self._constraints:
+            body.engine.changeConstraint(constraint, maxForce=strength(body))
 
     def release(self) -> None:
         """Remove the constraints."""
@@ -282,13 +250,6 @@ class _Held:
             axis_W = (self._body.X_WI(a) @ X_IF).turn(self._closure.axis)
             gap = float(np.linalg.norm(np.cross(axis_W, np.subtract(*ends))))
         self.widest = max(self.widest, gap)
-
-
-def _points(closure: LoopClosure, request: Request) -> list[Array]:
-    """Points of F that the closure constrains."""
-    if closure.kind is JointKind.BALL or closure.name in request.held_by_a_point:
-        return [np.zeros(3)]
-    return [np.zeros(3), SECOND_POINT * np.array(closure.axis)]
 
 
 def _drive(
