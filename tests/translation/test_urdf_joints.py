@@ -14,7 +14,7 @@ from stepbot.pipeline import writing
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.report.robot import Status
 from stepbot.robot.model import Base, Joint, JointKind, Link, Robot
-from stepbot.robot.multi_dof import planar_to_three
+from stepbot.robot.multi_dof import split
 from stepbot.verification.files import verify_files
 
 pytestmark = pytest.mark.xdist_group("joints of others")
@@ -153,7 +153,7 @@ def test_plane_is_that_of_mujoco(axis: tuple[float, float, float]) -> None:
     )
     model = mujoco.MjModel.from_xml_string(f"{text}</robot>")
     joint = Joint("plane", JointKind.PLANAR, "a", "b", axis=axis)
-    ours = [one.axis for one in planar_to_three(Robot("r", (Link("a"), Link("b")), (joint,))).joints]
+    ours = [one.axis for one in split(Robot("r", (Link("a"), Link("b")), (joint,)), JointKind.PLANAR).joints]
     assert model.jnt_type.tolist() == [2, 2, 3]
     assert np.cross(model.jnt_axis[0], model.jnt_axis[1]) == pytest.approx(np.cross(ours[0], ours[1]))
     assert model.jnt_axis[2] == pytest.approx(np.array(ours[2]))

@@ -17,7 +17,7 @@ from stepbot.geometry.spatial import Array, Vector3, cross, matrix_product, rota
 from .kinematics import Configuration, Tree, complete
 from .mesh_names import free_name
 from .model import Base, Joint, JointKind, Link, Robot
-from .multi_dof import screw_to_mimic, unfolded
+from .multi_dof import split, unfolded
 
 _SINGULAR = 1e-12
 """Share of its own inertia below which what a joint moves beyond the other joints is rounding."""
@@ -95,7 +95,7 @@ def free_mass_matrix(robot: Robot) -> tuple[tuple[str, ...], Array]:
 
     The base moves if it floats, followers follow nothing, the two joints of a screw are two, and armatures count.
     """
-    free = unfolded(screw_to_mimic(robot))
+    free = unfolded(split(robot, JointKind.SCREW))
     free = replace(free, joints=tuple(replace(joint, mimic=None) for joint in free.joints))
     if robot.base is Base.FLOATING:
         world = Link(free_name("world", "_link", set(robot.link_by_name)))

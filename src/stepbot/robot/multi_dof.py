@@ -1,7 +1,7 @@
 """Multi-dof joints as chains of joints of one degree of freedom each, with massless links in between.
 
-There is one function, Robot to Robot, per kind. The joints of a chain are named like the coordinates of the joint
-that it represents, so that a configuration is the same whether a format supports the joint or not.
+The joints of a chain are named like the coordinates of the joint that it represents, so that a configuration is the
+same whether a format supports the joint or not.
 
 | kind | chain, from the parent on |
 | --- | --- |
@@ -28,15 +28,21 @@ Steps = Mapping[str, Joint]
 """For each joint of the chain, from the parent on, the suffix of its name and its own fields."""
 
 
-def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -> Robot:
-    """The robot with a chain in place of every joint of a kind; the links between have neither mass nor shape.
+def split(robot: Robot, *kinds: JointKind) -> Robot:
+    """The robot with a chain in place of every joint of some kinds, one kind after the other.
 
     All frames of a chain coincide at q = 0: the first joint is placed where the joint was, the others in that frame.
     A joint sensor becomes one per independent joint of the chain; a force-torque sensor moves to the last joint, which
-    has the same child. The links between are in the modules that have both the joint's links.
+    has the same child. The links between have neither mass nor shape, and are in the modules that have both the joint's
+    links.
     """
-    if not any(joint.kind is kind for joint in robot.joints):
-        return robot
+    for kind in kinds:
+        if any(joint.kind is kind for joint in robot.joints):
+            robot = _split(robot, kind)
+    return robot
+
+
+def _split(robot: Robot, kind: JointKind) -> Robot:
     taken = {*robot.link_by_name, *robot.joint_by_name}
     taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
     joints: list[Joint] = []
@@ -44,7 +50,7 @@ def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -
     chains: dict[str, list[Joint]] = {}
     modules = {module: list(module.links) for module in robot.modules}
     for joint in robot.joints:
-        chain = _chain(joint, steps_of(joint), taken) if joint.kind is kind else [joint]
+        chain = _chain(joint, _STEPS[kind](joint), taken) if joint.kind is kind else [joint]
         chains[joint.name] = chain
         joints += chain
         between = [step.child for step in chain[:-1]]
@@ -94,55 +100,9 @@ def _chain(joint: Joint, steps: Steps, taken: set[str]) -> list[Joint]:
     ]
 
 
-def cylindrical_to_two(robot: Robot) -> Robot:
-    """The robot with a prismatic and a revolute joint in place of every cylindrical joint."""
-    return chained(robot, JointKind.CYLINDRICAL, _cylindrical_steps)
-
-
-def _cylindrical_steps(joint: Joint) -> Steps:
-    return {"_slide": slide(joint, joint.axis), "_turn": turn(joint, joint.axis)}
-
-
-def ball_to_revolutes(robot: Robot) -> Robot:
-    """The robot with three revolute joints in place of every ball joint."""
-    return chained(robot, JointKind.BALL, _ball_steps)
-
-
-def _ball_steps(joint: Joint) -> Steps:
-    return {
-        "_yaw": turn(joint, (0.0, 0.0, 1.0)),
-        "_pitch": turn(joint, (0.0, 1.0, 0.0)),
-        "_roll": turn(joint, (1.0, 0.0, 0.0)),
-    }
-
-
-def floating_to_slides_and_ball(robot: Robot) -> Robot:
-    """The robot with three prismatic joints and a ball joint in place of every floating joint."""
-    return chained(robot, JointKind.FLOATING, _floating_steps)
-
-
-def _floating_steps(joint: Joint) -> Steps:
-    return {
-        "_x": slide(joint, (1.0, 0.0, 0.0)),
-        "_y": slide(joint, (0.0, 1.0, 0.0)),
-        "_z": slide(joint, (0.0, 0.0, 1.0)),
-        "_turn": replace(joint, kind=JointKind.BALL),
-    }
-
-
-def planar_to_three(robot: Robot) -> Robot:
-    """The robot with three joints in place of every planar joint."""
-    return chained(robot, JointKind.PLANAR, _planar_steps)
-
-
 def _planar_steps(joint: Joint) -> Steps:
     x, y, _ = perpendicular_frame(joint.axis).T
     return {"_x": slide(joint, vector3(x)), "_y": slide(joint, vector3(y)), "_turn": turn(joint, joint.axis)}
-
-
-def screw_to_mimic(robot: Robot) -> Robot:
-    """The robot with a following prismatic joint and a revolute joint in place of every screw joint."""
-    return chained(robot, JointKind.SCREW, _screw_steps)
 
 
 def _screw_steps(joint: Joint) -> Steps:
@@ -159,34 +119,46 @@ def _screw_steps(joint: Joint) -> Steps:
     return {"_slide": advance, "": turned}
 
 
-def universal_to_revolutes(robot: Robot) -> Robot:
-    """The robot with two revolute joints in place of every universal joint."""
-    return chained(robot, JointKind.UNIVERSAL, _universal_steps)
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_STEPS: Mapping[JointKind, Callable[[Joint], Steps]] = {
+    JointKind.BALL: lambda joint: {"_yaw": turn(joint, _Z), "_pitch": turn(joint, _Y), "_roll": turn(joint, _X)},
+    JointKind.UNIVERSAL: lambda joint: {"_1": turn(joint, joint.axis), "_2": turn(joint, joint.axis2)},
+    JointKind.CYLINDRICAL: lambda joint: {"_slide": slide(joint, joint.axis), "_turn": turn(joint, joint.axis)},
+    JointKind.PLANAR: _planar_steps,
+    JointKind.FLOATING: lambda joint: {
+        "_x": slide(joint, _X),
+        "_y": slide(joint, _Y),
+        "_z": slide(joint, _Z),
+        "_turn": replace(joint, kind=JointKind.BALL),
+    },
+    JointKind.SCREW: _screw_steps,
+}
 
 
-def _universal_steps(joint: Joint) -> Steps:
-    return {"_1": turn(joint, joint.axis), "_2": turn(joint, joint.axis2)}
+_SEVERAL = (JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.PLANAR, JointKind.FLOATING)
+"""Kinds of several degrees of freedom but the ball, in the order in which they are split."""
 
 
 def unfolded(robot: Robot) -> Robot:
     """The robot with joints of at most one degree of freedom: fixed, revolute, continuous, prismatic and screw."""
     if not any(joint.kind.coordinates > 1 for joint in robot.joints):
         return robot
-    robot = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
-    return ball_to_revolutes(floating_to_slides_and_ball(robot))
+    return split(robot, *_SEVERAL, JointKind.BALL)
 
 
 def ball_coordinates(robot: Robot) -> dict[str, tuple[str, str, str]]:
     """For each ball joint, including those of floating joints, the names of its coordinates: yaw, pitch, roll."""
-    folded = floating_to_slides_and_ball(robot)
-    names = iter(joint.name for joint in ball_to_revolutes(folded).joints if joint.name not in folded.joint_by_name)
+    folded = split(robot, JointKind.FLOATING)
+    unfolded_balls = split(folded, JointKind.BALL)
+    names = iter(joint.name for joint in unfolded_balls.joints if joint.name not in folded.joint_by_name)
     balls = [joint.name for joint in folded.joints if joint.kind is JointKind.BALL]
     return {ball: (next(names), next(names), next(names)) for ball in balls}
 
 
 def universal_coordinates(robot: Robot) -> dict[str, tuple[str, str]]:
     """For each universal joint, the names of its coordinates: about the first axis, about the second."""
-    names = iter(joint.name for joint in universal_to_revolutes(robot).joints if joint.name not in robot.joint_by_name)
+    turning = split(robot, JointKind.UNIVERSAL)
+    names = iter(joint.name for joint in turning.joints if joint.name not in robot.joint_by_name)
     return {joint.name: (next(names), next(names)) for joint in robot.joints if joint.kind is JointKind.UNIVERSAL}
 
 
@@ -195,29 +167,13 @@ def steps_by_child(robot: Robot) -> dict[str, tuple[Joint, ...]]:
 
     The prismatic joint of a screw has no limits of its own: the screw's revolute joint has them.
     """
-    split = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
-    split = screw_to_mimic(floating_to_slides_and_ball(split))
     screws = {joint.name for joint in robot.joints if joint.kind is JointKind.SCREW}
     steps: dict[str, tuple[Joint, ...]] = {}
     chain: list[Joint] = []
-    for joint in split.joints:
+    for joint in split(robot, *_SEVERAL, JointKind.SCREW).joints:
         follows = joint.name not in robot.joint_by_name and joint.mimic is not None and joint.mimic.joint in screws
         chain.append(replace(joint, limit=Limit()) if follows else joint)
         if joint.child in robot.link_by_name:
             steps[joint.child] = tuple(chain)
             chain = []
     return steps
-
-
-__all__ = [
-    "ball_coordinates",
-    "ball_to_revolutes",
-    "cylindrical_to_two",
-    "floating_to_slides_and_ball",
-    "planar_to_three",
-    "screw_to_mimic",
-    "steps_by_child",
-    "unfolded",
-    "universal_coordinates",
-    "universal_to_revolutes",
-]

@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
-from stepbot.robot.multi_dof import ball_coordinates, screw_to_mimic, steps_by_child, unfolded
+from stepbot.robot.multi_dof import ball_coordinates, split, steps_by_child, unfolded
 from tests.mechanisms import MECHANISMS
 from tests.robots import two_link_arm
 
@@ -59,5 +59,7 @@ def test_a_screw_without_pitch_does_not_advance() -> None:
     """However far it turns: 0 times infinity is no position."""
     robot = MECHANISMS["screw"]()
     joint = replace(robot.joints[0], pitch=0.0, limit=Limit(-inf, inf))
-    slide = screw_to_mimic(replace(robot, joints=(joint, *robot.joints[1:]))).joint_by_name[f"{joint.name}_slide"]
+    slide = split(replace(robot, joints=(joint, *robot.joints[1:])), JointKind.SCREW).joint_by_name[
+        f"{joint.name}_slide"
+    ]
     assert (slide.limit.lower, slide.limit.upper) == (0.0, 0.0)

@@ -13,8 +13,19 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot import multi_dof
-from stepbot.robot.model import Base, Collision, Joint, JointDynamics, JointKind, Limit, MeshFormat, Robot, Visual
+from stepbot.robot.model import (
+    Base,
+    Collision,
+    Joint,
+    JointDynamics,
+    JointKind,
+    Limit,
+    Link,
+    MeshFormat,
+    Robot,
+    Visual,
+)
+from stepbot.robot.multi_dof import split
 from stepbot.robot.sensors import Sensor, SensorKind
 
 from ..features import Feature, Level
@@ -112,8 +123,22 @@ def _joints(
     return _each(joints.joints_where(condition), joints.each_joint, condition, rewrite, leave_out)
 
 
-def _unfolded(kind: JointKind, rewrite: Callable[[Robot], Robot]) -> _Handling:
-    return _Handling(joints.joints_where(lambda joint: joint.kind is kind), rewrite)
+def _split(kind: JointKind) -> _Handling:
+    return _Handling(joints.joints_where(lambda joint: joint.kind is kind), lambda robot: split(robot, kind))
+
+
+def _links(
+    condition: Callable[[Link], bool],
+    rewrite: Callable[[Link], Link] | None = None,
+    leave_out: Callable[[Link], Link] | None = None,
+) -> _Handling:
+    return _each(
+        lambda robot: [f"'{link.name}'" for link in robot.links if condition(link)],
+        shapes.each_link,
+        condition,
+        rewrite,
+        leave_out,
+    )
 
 
 def _sensors(
@@ -134,9 +159,9 @@ def _sensor_kind(kind: SensorKind) -> _Handling:
 
 def _surfaces(*names: str) -> _Handling:
     """Contact properties that are given, which are left out."""
-    return _Handling(
-        shapes.surfaces_where(lambda one: any(getattr(one, name) is not None for name in names)),
-        leave_out=shapes.without_surface(*names),
+    return _links(
+        lambda link: any(getattr(shape.surface, name) is not None for shape in link.collisions for name in names),
+        leave_out=lambda link: shapes.with_surfaces(link, lambda one: replace(one, **dict.fromkeys(names))),
     )
 
 
@@ -153,12 +178,12 @@ def _without_rate(sensor: Sensor) -> Sensor:
 _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.JOINT_NAME: _Handling(names.renamed_joints, names.rename_joints),
     Feature.FRAME_NAME: _Handling(names.renamed_frames, names.rename_frames),
-    Feature.FLOATING: _unfolded(JointKind.FLOATING, multi_dof.floating_to_slides_and_ball),
-    Feature.PLANAR: _unfolded(JointKind.PLANAR, multi_dof.planar_to_three),
-    Feature.CYLINDRICAL: _unfolded(JointKind.CYLINDRICAL, multi_dof.cylindrical_to_two),
-    Feature.SCREW: _unfolded(JointKind.SCREW, multi_dof.screw_to_mimic),
-    Feature.UNIVERSAL: _unfolded(JointKind.UNIVERSAL, multi_dof.universal_to_revolutes),
-    Feature.BALL: _unfolded(JointKind.BALL, multi_dof.ball_to_revolutes),
+    Feature.FLOATING: _split(JointKind.FLOATING),
+    Feature.PLANAR: _split(JointKind.PLANAR),
+    Feature.CYLINDRICAL: _split(JointKind.CYLINDRICAL),
+    Feature.SCREW: _split(JointKind.SCREW),
+    Feature.UNIVERSAL: _split(JointKind.UNIVERSAL),
+    Feature.BALL: _split(JointKind.BALL),
     Feature.BALL_LIMIT: _joints(
         lambda joint: joint.kind is JointKind.BALL and joint.limit != Limit(),
         lambda joint: replace(joint, limit=Limit()),
@@ -172,7 +197,9 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     ),
     Feature.SLIDING_CLOSURE: _Handling(rerooted_loops.sliding_closures, rerooted_loops.reroot_loops),
     Feature.STUCK_CLOSURE: _Handling(joints.describe_closures(lambda closure: closure.kind is JointKind.PRISMATIC)),
-    Feature.LOOP_ZERO: _Handling(joints.loop_zeros, joints.move_loop_zeros),
+    Feature.LOOP_ZERO: _Handling(
+        joints.loop_zeros, lambda robot: joints.with_moved_zeros(robot, joints.joints_in_loops(robot))
+    ),
     Feature.INITIAL_POSE: _joints(lambda joint: joint.drawn_position != 0.0),
     Feature.OPEN_POSITION: _joints(joints.is_open, joints.bound),
     Feature.OPEN_EFFORT: _joints(joints.lacks_effort, joints.bound_effort),
@@ -237,18 +264,22 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.GLB_VISUAL: _as_obj(Visual, MeshFormat.GLB),
     Feature.STL_COLLISION: _as_obj(Collision, MeshFormat.STL),
     Feature.OTHER_COLLISION: _as_obj(Collision, MeshFormat.DAE, MeshFormat.GLB),
-    Feature.CAPSULE: _Handling(shapes.links_with_capsules, shapes.split_capsules),
+    Feature.CAPSULE: _links(shapes.has_capsule, shapes.split_capsules),
     Feature.EXCLUDED_CONTACT: _Handling(shapes.excluded_pairs),
-    Feature.MIXED_SURFACE: _Handling(shapes.mixed_surfaces, shapes.one_surface),
+    Feature.MIXED_SURFACE: _links(shapes.is_mixed, shapes.with_one_surface),
     Feature.SURFACE: _surfaces("friction"),
     Feature.SPIN: _surfaces("torsional", "rolling"),
     Feature.BOUNCE: _surfaces("restitution"),
-    Feature.DEAD_BOUNCE: _Handling(shapes.surfaces_where(shapes.is_dead), shapes.without_dead_bounce),
+    Feature.DEAD_BOUNCE: _links(shapes.has_dead_bounce, shapes.without_dead_bounce),
     Feature.SOFTNESS: _surfaces("softness"),
     Feature.FLAT_COLLISION: _Handling(shapes.flat_collisions, shapes.drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(shapes.concave_collisions),
-    Feature.MASSLESS: _Handling(masses.massless_links, masses.with_stand_in_masses),
-    Feature.MASSLESS_BODY: _Handling(masses.massless_moving_links, masses.with_least_masses, leave_out=_unchanged),
+    Feature.MASSLESS: _links(masses.is_massless, masses.with_stand_in),
+    Feature.MASSLESS_BODY: _Handling(
+        lambda robot: [f"'{name}'" for name in masses.massless_bodies(robot)],
+        masses.with_least_masses,
+        leave_out=_unchanged,
+    ),
     Feature.FIXED_BASE: _Handling(_root_if(Base.FIXED)),
     Feature.FLOATING_BASE: _Handling(_root_if(Base.FLOATING)),
 }

@@ -206,18 +206,12 @@ def loop_zeros(robot: Robot) -> list[str]:
     ]
 
 
-def move_loop_zeros(robot: Robot) -> Robot:
-    """The robot with q = 0 at the drawn position for every joint of a loop."""
-    return with_moved_zeros(robot, joints_in_loops(robot))
-
-
 def with_moved_zeros(robot: Robot, in_loops: Collection[str]) -> Robot:
     """The robot with q = 0 at the drawn position for some joints; limits, springs and mimics are shifted."""
     shift = {joint.name: joint.drawn_position if joint.name in in_loops else 0.0 for joint in robot.joints}
 
     def moved(joint: Joint) -> Joint:
-        by = shift[joint.name]
-        mimic = joint.mimic
+        by, mimic, passive = shift[joint.name], joint.mimic, joint.dynamics
         if mimic is not None:
             mimic = replace(mimic, offset=mimic.offset + mimic.multiplier * shift[mimic.joint] - by)
         if by == 0.0:
@@ -226,16 +220,12 @@ def with_moved_zeros(robot: Robot, in_loops: Collection[str]) -> Robot:
             joint,
             X_PC=joint.X_PC @ displacement(joint, by),
             limit=replace(joint.limit, lower=joint.limit.lower - by, upper=joint.limit.upper - by),
-            dynamics=replace(joint.dynamics, spring_reference=_moved_spring(joint.dynamics, by)),
+            dynamics=replace(passive, spring_reference=passive.spring_reference - (by if passive.stiffness else 0.0)),
             mimic=mimic,
             drawn_position=0.0,
         )
 
     return each_joint(moved)(robot)
-
-
-def _moved_spring(dynamics: JointDynamics, by: float) -> float:
-    return dynamics.spring_reference - by if dynamics.stiffness else dynamics.spring_reference
 
 
 def joints_in_loops(robot: Robot) -> set[str]:

@@ -14,24 +14,21 @@ LEAST_MASS, LEAST_MOMENT = 2e-15, 1e-14
 """The same for a moving link without mass: above the least that MuJoCo accepts, and without effect on the motion."""
 
 
-def massless_links(robot: Robot) -> list[str]:
-    """Links without mass, and links without inertia."""
-    return [f"'{link.name}'" for link in robot.links if _is_massless(link)]
+def is_massless(link: Link) -> bool:
+    """Whether a link has no mass, or no inertia."""
+    return link.mass_properties.mass == 0.0 or link.mass_properties.inertia == ZERO33
 
 
-def with_stand_in_masses(robot: Robot) -> Robot:
-    """The robot with a small mass and inertia in place of missing ones."""
-    return _with(robot, {link.name for link in robot.links if _is_massless(link)}, STAND_IN_MASS, STAND_IN_MOMENT)
-
-
-def massless_moving_links(robot: Robot) -> list[str]:
-    """The topmost link of each moving body without mass."""
-    return [f"'{name}'" for name in massless_bodies(robot)]
+def with_stand_in(link: Link) -> Link:
+    """The link with a small mass and inertia in place of missing ones."""
+    return _weighed(link, STAND_IN_MASS, STAND_IN_MOMENT)
 
 
 def with_least_masses(robot: Robot) -> Robot:
     """The robot with a tiny mass and inertia in place of those of moving bodies that have none."""
-    return _with(robot, set(massless_bodies(robot)), LEAST_MASS, LEAST_MOMENT)
+    light = massless_bodies(robot)
+    links = (_weighed(link, LEAST_MASS, LEAST_MOMENT) if link.name in light else link for link in robot.links)
+    return replace(robot, links=tuple(links))
 
 
 def massless_bodies(robot: Robot) -> list[str]:
@@ -49,15 +46,6 @@ def massless_fixed(robot: Robot) -> list[str]:
     return [joint.child for joint in fixed if {joint.parent, joint.child} <= massless]
 
 
-def _is_massless(link: Link) -> bool:
-    return link.mass_properties.mass == 0.0 or link.mass_properties.inertia == ZERO33
-
-
-def _with(robot: Robot, massless: set[str], mass: float, moment: float) -> Robot:
-    inertia = ((moment, 0.0, 0.0), (0.0, moment, 0.0), (0.0, 0.0, moment))
-
-    def weighed(link: Link) -> Link:
-        body = link.mass_properties
-        return replace(link, mass_properties=MassProperties(body.mass or mass, body.com, inertia))
-
-    return replace(robot, links=tuple(weighed(link) if link.name in massless else link for link in robot.links))
+def _weighed(link: Link, mass: float, moment: float) -> Link:
+    body, inertia = link.mass_properties, ((moment, 0.0, 0.0), (0.0, moment, 0.0), (0.0, 0.0, moment))
+    return replace(link, mass_properties=MassProperties(body.mass or mass, body.com, inertia))

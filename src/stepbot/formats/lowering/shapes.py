@@ -27,19 +27,20 @@ def look(shape: Visual | Collision) -> tuple[Hashable, ...]:
     return finish, shape.geometry, shape.X_LG.rotation, any(shape.X_LG.position)
 
 
-def links_with_capsules(robot: Robot) -> list[str]:
-    """Links with a capsule."""
-    return [f"'{link.name}'" for link in robot.links if any(isinstance(one.geometry, Capsule) for one in link.shapes)]
+def each_link(rewrite: Callable[[Link], Link]) -> Callable[[Robot], Robot]:
+    """The robot with every link rewritten."""
+    return lambda robot: replace(robot, links=tuple(map(rewrite, robot.links)))
 
 
-def split_capsules(robot: Robot) -> Robot:
-    """The robot with a cylinder and two spheres for every capsule, which fill the same space."""
+def has_capsule(link: Link) -> bool:
+    """Whether a shape of a link is a capsule."""
+    return any(isinstance(one.geometry, Capsule) for one in link.shapes)
 
-    def split(shapes: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
-        return tuple(part for shape in shapes for part in _split(shape))
 
-    links = (replace(link, visuals=split(link.visuals), collisions=split(link.collisions)) for link in robot.links)
-    return replace(robot, links=tuple(links))
+def split_capsules(link: Link) -> Link:
+    """The link with a cylinder and two spheres for every capsule, which fill the same space."""
+    visuals = tuple(part for shape in link.visuals for part in _split(shape))
+    return replace(link, visuals=visuals, collisions=tuple(part for shape in link.collisions for part in _split(shape)))
 
 
 def meshes_as(kind: type[Visual | Collision], *formats: MeshFormat) -> Callable[[Robot], list[str]]:
@@ -75,7 +76,7 @@ def drop_flat_collisions(robot: Robot) -> Robot:
         kept = (c for c in link.collisions if not (isinstance(c.geometry, MeshRef) and c.geometry.name in flat))
         return replace(link, collisions=tuple(kept))
 
-    return replace(robot, links=tuple(without(link) for link in robot.links))
+    return each_link(without)(robot)
 
 
 def concave_collisions(robot: Robot) -> list[str]:
@@ -125,47 +126,32 @@ def excluded_pairs(robot: Robot) -> list[str]:
     return [f"'{a}' and '{b}'" for a, b in dict.fromkeys((*robot.excluded_contacts, *searched))]
 
 
-def surfaces_where(stated: Callable[[Surface], bool]) -> Callable[[Robot], list[str]]:
-    """Links with a collision whose contact properties meet a condition."""
-    return lambda robot: [
-        f"'{link.name}'" for link in robot.links if any(stated(shape.surface) for shape in link.collisions)
-    ]
+def with_surfaces(link: Link, change: Callable[[Surface], Surface]) -> Link:
+    """The link with other contact properties of its shapes."""
+    return replace(link, collisions=tuple(replace(one, surface=change(one.surface)) for one in link.collisions))
 
 
-def without_surface(*names: str) -> Callable[[Robot], Robot]:
-    """The robot without some of the contact properties of its shapes."""
-    return lambda robot: _with_surfaces(robot, lambda _link, one: replace(one, **dict.fromkeys(names)))
+def has_dead_bounce(link: Link) -> bool:
+    """Whether a shape of a link has a restitution below that of a critically damped contact."""
+    return any(_is_dead(shape.surface) for shape in link.collisions)
 
 
-def without_dead_bounce(robot: Robot) -> Robot:
-    """The robot without restitutions below that of a critically damped contact."""
-    return _with_surfaces(robot, lambda _, one: replace(one, restitution=None) if is_dead(one) else one)
+def without_dead_bounce(link: Link) -> Link:
+    """The link without such restitutions."""
+    return with_surfaces(link, lambda one: replace(one, restitution=None) if _is_dead(one) else one)
 
 
-def is_dead(surface: Surface) -> bool:
-    """Whether a restitution is given that is below that of a critically damped contact."""
+def _is_dead(surface: Surface) -> bool:
     return surface.restitution is not None and surface.restitution <= DEAD
 
 
-def mixed_surfaces(robot: Robot) -> list[str]:
-    """Links whose shapes have different contact properties."""
-    return [f"'{link.name}'" for link in robot.links if len({shape.surface for shape in link.collisions}) > 1]
+def is_mixed(link: Link) -> bool:
+    """Whether the shapes of a link have different contact properties."""
+    return len({shape.surface for shape in link.collisions}) > 1
 
 
-def one_surface(robot: Robot) -> Robot:
-    """The robot with the contact properties of the shape with most friction on all shapes of its link."""
-
-    def most(link: Link) -> Surface:
-        stated = [shape.surface for shape in link.collisions if shape.surface.is_stated]
-        return max(stated, key=lambda one: -1.0 if one.friction is None else one.friction)
-
-    mixed = {link.name: most(link) for link in robot.links if len({one.surface for one in link.collisions}) > 1}
-    return _with_surfaces(robot, lambda link, one: mixed.get(link.name, one))
-
-
-def _with_surfaces(robot: Robot, change: Callable[[Link, Surface], Surface]) -> Robot:
-    def of(link: Link) -> Link:
-        shapes = tuple(replace(shape, surface=change(link, shape.surface)) for shape in link.collisions)
-        return link if shapes == link.collisions else replace(link, collisions=shapes)
-
-    return replace(robot, links=tuple(of(link) for link in robot.links))
+def with_one_surface(link: Link) -> Link:
+    """The link with the contact properties of the shape with most friction on all of its shapes."""
+    stated = [shape.surface for shape in link.collisions if shape.surface.is_stated]
+    most = max(stated, key=lambda one: -1.0 if one.friction is None else one.friction)
+    return with_surfaces(link, lambda _: most)

@@ -16,7 +16,7 @@ from stepbot.robot.gains import actuator_limit, line_damping
 from stepbot.robot.kinematics import mimic_relation
 from stepbot.robot.mesh_names import MOTOR_LINE, SCOPE
 from stepbot.robot.model import Actuator, JointKind, Link, Mimic, Robot
-from stepbot.robot.multi_dof import screw_to_mimic, steps_by_child
+from stepbot.robot.multi_dof import split, steps_by_child
 from stepbot.robot.simulation_settings import Settings, settings_of
 
 from ..lowering.joints import closure_points
@@ -118,7 +118,7 @@ def motor_lines(robot: Robot) -> dict[str, tuple[float, float]]:
 
 def _coupled(robot: Robot) -> set[str]:
     """Joints that move others by mimics or loops."""
-    robot = screw_to_mimic(robot)
+    robot = split(robot, JointKind.SCREW)
     mimics = {joint.name for joint in robot.joints if joint.mimic is not None}
     return (
         mimics
