@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from stepbot.engines import engine_of
-from stepbot.verification.meaning import OF_MESHES
+from stepbot.verification.text import OF_MESHES
 from tests.simulators.conftest import skip_without
 
 from .conftest import Stepbot

@@ -89,8 +89,13 @@ def _is_text_stl(path: Path) -> bool:
 
 def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
     """Bounding box [m] of all shapes; None without shapes, or if the box of one is unknown."""
-    known = [shape.bounds for shape in shapes if shape.bounds is not None]
-    return join_bounds(known) if known and len(known) == len(shapes) else None
+    return joined_boxes([shape.bounds for shape in shapes])
+
+
+def joined_boxes(boxes: Sequence[Bounds | None]) -> Bounds | None:
+    """The box around all; None without any, or if one is unknown."""
+    known = [box for box in boxes if box is not None]
+    return join_bounds(known) if known and len(known) == len(boxes) else None
 
 
 def with_shapes(

@@ -344,11 +344,9 @@ def rates(robot: Robot, n: int = 32, seed: int = 1) -> tuple[tuple[dict[str, flo
     return tuple((dict(zip(names, v, strict=True)), dict(zip(names, a, strict=True))) for v, a in drawn)
 
 
-def within_limits(robot: Robot, q: Configuration, slack: float = 1e-9) -> bool:
-    """Whether every moving joint of a complete configuration is within its limits."""
-    return all(
-        joint.limit.lower - slack <= q[joint.name] <= joint.limit.upper + slack for joint in moving_joints(robot)
-    )
+def within_limits(robot: Robot, q: Configuration) -> bool:
+    """Whether every moving joint of a complete configuration is within its limits, but for 1e-9 [rad], [m]."""
+    return all(joint.limit.lower - 1e-9 <= q[joint.name] <= joint.limit.upper + 1e-9 for joint in moving_joints(robot))
 
 
 def rigid_bodies(root: str, joints: Iterable[Joint]) -> dict[str, str]:

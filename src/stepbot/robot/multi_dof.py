@@ -22,6 +22,7 @@ from stepbot.geometry.spatial import Pose, Vector3, perpendicular_frame, vector3
 
 from .mesh_names import free_name
 from .model import Joint, JointKind, Limit, Link, Mimic, Robot
+from .renaming import names_of
 from .sensors import Sensor, SensorKind
 
 Steps = Mapping[str, Joint]
@@ -43,8 +44,7 @@ def split(robot: Robot, *kinds: JointKind) -> Robot:
 
 
 def _split(robot: Robot, kind: JointKind) -> Robot:
-    taken = {*robot.link_by_name, *robot.joint_by_name}
-    taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
+    taken = set(names_of(robot, "links", "joints", "closures", "frames"))
     joints: list[Joint] = []
     links = [robot.root]
     chains: dict[str, list[Joint]] = {}

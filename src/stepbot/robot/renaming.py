@@ -33,6 +33,11 @@ class NewNames(Struct, frozen=True):
         return self.frames.get(name, name)
 
 
+def names_of(robot: Robot, *kinds: str) -> list[str]:
+    """The names of the elements of some kinds, which are fields of the robot."""
+    return [element.name for kind in kinds for element in getattr(robot, kind)]
+
+
 def same(name: str) -> str:
     """The name itself: elements of a kind that keep theirs."""
     return name

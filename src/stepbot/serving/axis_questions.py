@@ -17,6 +17,7 @@ from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import Selector
 from stepbot.step.structure.paths import ComponentPaths
+from stepbot.verification.self_collision.shapes import available
 from stepbot.verification.self_collision.worker import ContactSearch
 from stepbot.viewing.joining import lines_of_origin, shared_lines
 
@@ -48,7 +49,7 @@ class Contacts:
         names = [joint.name for joint in moving_joints(unfolded(shown.robot))]
         if not isinstance(q, dict) or not all(_is_finite(q.get(name)) for name in names):
             raise Refused("positions of all moving joints are expected")
-        reason = ContactSearch.unavailable()
+        reason = available()
         if reason:
             return {"pairs": None, "why": reason}
         with self._lock:

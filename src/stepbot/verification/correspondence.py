@@ -262,7 +262,7 @@ def _steps(segment: Segment) -> list[tuple[Step, Step]]:
 def _common_names(a: Step, b: Step, segment: Segment) -> tuple[str, str]:
     """The common name of a step: the same on both sides if only one file names it, or names it alone."""
     ours, theirs = (step.joint.name for step in (a, b))
-    if not segment.same_words:
+    if len(segment.ours) != len(segment.theirs):
         return (ours, ours) if len(segment.ours) > 1 else (theirs, theirs)
     return ours if a.named else theirs, theirs if b.named else ours
 

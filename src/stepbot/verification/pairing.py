@@ -93,11 +93,6 @@ class Segment(Struct, frozen=True, eq=False):
     R_zero: Array = field(default_factory=lambda: np.eye(3))
     """The zero rotation of the other side relative to this one: it is arbitrary for a ball joint."""
 
-    @property
-    def same_words(self) -> bool:
-        """Whether both sides represent it by the same number of joints."""
-        return len(self.ours) == len(self.theirs)
-
 
 def segments(ours: Chain, theirs: Chain, distance: float = _DISTANCE) -> tuple[Segment, ...]:
     """Pair the steps of two chains, from the parent on.

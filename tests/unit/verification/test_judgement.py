@@ -13,8 +13,8 @@ from stepbot.verification.admission import robot_files
 from stepbot.verification.compare import compare
 from stepbot.verification.deviation import Deviations
 from stepbot.verification.joint_rows import joint_rows
-from stepbot.verification.meaning import means_the_same
 from stepbot.verification.normalized import normalized
+from stepbot.verification.text import means_the_same
 
 
 def test_a_relative_tolerance_allows_nothing_without_a_scale() -> None:

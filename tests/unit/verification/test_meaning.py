@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stepbot.engines.description.statements import Statement
-from stepbot.verification.meaning import means_the_same
+from stepbot.verification.text import means_the_same
 
 SEQUENCES = ("xyz", "XYZ", "zyx", "zxz", "ZYZ", "xYz")
 

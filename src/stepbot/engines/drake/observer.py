@@ -6,7 +6,8 @@ https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -14,21 +15,30 @@ import numpy as np
 from msgspec.structs import replace
 
 from stepbot.geometry.primitives import primitive
-from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_inertia, vector3
+from stepbot.geometry.spatial import Array, Pose, matrix3, shift_inertia, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.dynamics import Rates
+from stepbot.robot.model import JointDynamics, Limit
 from stepbot.robot.surfaces import Surface
 
 from ..ball_coordinates import inner_joints
 from ..captured_output import logged
 from ..distribution import provider
-from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, ObservedShape, Quantity, Request
-from ..resources import vertices_of
+from ..observation import (
+    Dynamics,
+    EngineCannotRead,
+    Observation,
+    ObservedJoint,
+    ObservedLink,
+    ObservedShape,
+    Quantity,
+    Request,
+)
+from ..resources import joined_boxes, vertices_of
 from ..urdf_versions import readable
 from ..xml import xml_root
 from . import ENGINE
 from .coordinates import pose
-from .joints import observed_joints
 from .plant import Built, build
 
 _NOT_TOLD = "pydrake does not report it"
@@ -133,7 +143,7 @@ def _static(built: Built, request: Request) -> Observation:
         name=built.name,
         base=None if format_name == "urdf" else "fixed" if held else "floating",
         links=tuple(_link(built, body) for body in built.bodies),
-        joints=observed_joints(built),
+        joints=_joints(built),
         coordinates=built.coordinates.names,
         poses=tuple(_poses(built, q) for q in [*request.configurations, *request.closed]),
         dynamics=tuple(_dynamics(built, *at) for at in request.moments),
@@ -151,7 +161,7 @@ def _link(built: Built, body: Any) -> ObservedLink:
         inertia = shift_inertia(spatial.CalcRotationalInertia().CopyToFullMatrix3(), -mass, com)
     visuals = built.plant.GetVisualGeometriesForBody(body)
     collisions = built.plant.GetCollisionGeometriesForBody(body)
-    seen, touched = (_box([bounds_of(built, shape) for shape in shapes]) for shapes in (visuals, collisions))
+    seen, touched = (joined_boxes([bounds_of(built, shape) for shape in shapes]) for shapes in (visuals, collisions))
     named = built.request.format != "mjcf"  # Drake keeps no names of these shapes
     return ObservedLink(
         body.name(),
@@ -165,12 +175,6 @@ def _link(built: Built, body: Any) -> ObservedLink:
         visuals=tuple(observed_shape(built, shape, seen=True) for shape in visuals) if named else None,
         collisions=tuple(observed_shape(built, shape, seen=False) for shape in collisions) if named else None,
     )
-
-
-def _box(boxes: Sequence[Bounds | None]) -> Bounds | None:
-    """The box around all; None without any, or if one is unknown."""
-    known = [box for box in boxes if box is not None]
-    return join_bounds(known) if known and len(known) == len(boxes) else None
 
 
 def _poses(built: Built, q: Mapping[str, float]) -> dict[str, Pose]:
@@ -261,3 +265,104 @@ def _primitive_bounds(shape: Any, X_LG: Pose) -> Bounds:
     if known is None:
         raise EngineCannotRead(f"Drake reports a shape of kind {kind}")
     return primitive_bounds(known, X_LG)
+
+
+_KINDS = {
+    "weld": "fixed",
+    "revolute": "revolute",
+    "prismatic": "prismatic",
+    "screw": "screw",
+    "universal": "universal",
+    "ball_rpy": "ball",
+    "planar": "planar",
+}
+_NO_LIMIT = 1e15
+"""Limits beyond this are SDFormat's value for unlimited, 1e16."""
+
+
+def _joints(built: Built) -> tuple[ObservedJoint, ...]:
+    """The joint above each link; a joint of the root to the world means that the base is fixed."""
+    drives, springs = _drives(built), _springs(built)
+    inside = [joint for joint in built.joints if joint.parent_body().name() != "world"]
+    return tuple(_joint(built, joint, drives, springs) for joint in inside)
+
+
+def _drives(built: Built) -> dict[str, float]:
+    """Effort limit of every joint that has an actuator."""
+    actuators = [built.plant.get_joint_actuator(index) for index in built.plant.GetJointActuatorIndices()]
+    return {actuator.joint().name(): float(actuator.effort_limit()) for actuator in actuators}
+
+
+def _springs(built: Built) -> dict[str, tuple[float, float]]:
+    """Stiffness and rest position of every joint that has a spring."""
+    from pydrake.multibody.tree import ForceElementIndex, PrismaticSpring, RevoluteSpring
+
+    found = {}
+    for index in range(built.plant.num_force_elements()):
+        element = built.plant.get_force_element(ForceElementIndex(index))
+        if isinstance(element, RevoluteSpring):
+            found[element.joint().name()] = (float(element.default_stiffness()), float(element.default_nominal_angle()))
+        elif isinstance(element, PrismaticSpring):
+            found[element.joint().name()] = (float(element.stiffness()), float(element.nominal_position()))
+    return found
+
+
+def _joint(
+    built: Built, joint: Any, drives: dict[str, float], springs: dict[str, tuple[float, float]]
+) -> ObservedJoint:
+    name, kind = joint.name(), _KINDS.get(joint.type_name(), joint.type_name())
+    parent, child = joint.parent_body().name(), joint.child_body().name()
+    sdf = built.request.format.endswith("sdf")
+    if kind == "fixed" and built.request.format == "mjcf":
+        name = ""  # MJCF has no fixed joints: this one is Drake's own
+    if kind in ("fixed", "ball", "planar"):
+        return ObservedJoint(name, kind, parent, child)
+    axis, axis2 = _axes(built, joint, kind)
+    lower, upper = float(joint.position_lower_limits()[0]), float(joint.position_upper_limits()[0])
+    limit = Limit(lower, upper, float(joint.velocity_upper_limits()[0]), drives.get(name, 0.0))
+    limit = limit.without_beyond(_NO_LIMIT)
+    damping = joint.default_damping_vector()
+    stiffness, reference = springs.get(name, (0.0, 0.0))
+    sprung = sdf and kind in ("revolute", "prismatic")
+    return ObservedJoint(
+        name,
+        "continuous" if kind == "revolute" and limit.lower == -inf and limit.upper == inf else kind,
+        parent,
+        child,
+        axis=vector3(axis),
+        axis2=None if axis2 is None else vector3(axis2),
+        # Drake's pitch is the advance per turn.
+        pitch=float(joint.screw_pitch()) / (2.0 * np.pi) if kind == "screw" else None,
+        limit=limit,
+        limit_fields=_limit_fields(built, kind, name in drives),
+        dynamics=JointDynamics(
+            float(damping[0]) if len(set(damping.tolist())) == 1 else nan,
+            stiffness=stiffness,
+            spring_reference=reference,
+        ),
+        dynamics_fields=("damping", *(("stiffness", "spring_reference") if sprung else ())),
+    )
+
+
+def _limit_fields(built: Built, kind: str, driven: bool) -> tuple[str, ...]:
+    """Effort limits from actuators, where Drake keeps them: one per joint of SDFormat and per transmission of URDF."""
+    if kind == "universal":
+        return ("lower", "upper")
+    if kind == "screw":  # Drake sets no limit
+        return ("effort",)
+    sdf = built.request.format.endswith("sdf")
+    return ("lower", "upper", "velocity", *(("effort",) if sdf or (driven and built.request.format == "urdf") else ()))
+
+
+def _axes(built: Built, joint: Any, kind: str) -> tuple[Array, Array | None]:
+    """Axes in the child's frame; Drake turns about x and y of a universal joint's own frame."""
+    R_CM: Array = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
+    if kind == "universal":
+        return R_CM[:, 0], R_CM[:, 1]
+    if kind == "screw":  # its axis is not reported: it is the direction that a rotation leaves unchanged
+        built.place({joint.name(): 1.0})
+        X_FM = built.plant.CalcRelativeTransform(built.context, joint.frame_on_parent(), joint.frame_on_child())
+        R_FM: Array = X_FM.rotation().matrix()
+        return R_CM @ (np.array([R_FM[2, 1], R_FM[0, 2], R_FM[1, 0]]) - [R_FM[1, 2], R_FM[2, 0], R_FM[0, 1]]), None
+    getter = {"revolute": "revolute_axis", "prismatic": "translation_axis"}.get(kind)
+    return (R_CM @ np.array(getattr(joint, getter)()) if getter else np.full(3, nan)), None

@@ -30,8 +30,7 @@ class Compiled(NamedModel, frozen=True, dict=True):
 
     def _has_strays(self, mesh: int) -> bool:
         model = self.model
-        start, first, count = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
-        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+        vertices, first, count = self.vertices(mesh), model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
         (low, high), (lowest, highest) = (
             corners(vertices[model.mesh_face[first : first + count].ravel()]),
             corners(vertices),

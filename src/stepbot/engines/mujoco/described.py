@@ -88,7 +88,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         ),
         (*(path.parent / name for _, name, _ in (*roots, *of_models) if name), *meshes.files.files),
         X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
-        free_roots=tuple(_free(compiled)),
+        free_roots=tuple(compiled.name("BODY", int(model.jnt_bodyid[joint])) for joint in compiled.free_joints),
         assumed=_from_geoms(spec, compiled),
         unsupported=tuple(_unsupported(compiled)),
         simulation=_simulation(root for root, *_ in roots),
@@ -168,14 +168,6 @@ def _without_ends(observation: Observation) -> dict[str, tuple[str, Pose]]:
     return {name: place for name, place in (observation.frames or {}).items() if name.split(SCOPE)[0] not in closures}
 
 
-def _free(compiled: Compiled) -> Iterator[str]:
-    """Bodies that move freely in the world."""
-    model, free = compiled.model, compiled.engine.mjtJoint.mjJNT_FREE
-    for joint in range(model.njnt):
-        if compiled.joint_type(joint) == free:
-            yield compiled.name("BODY", int(model.jnt_bodyid[joint]))
-
-
 def _from_geoms(spec: Any, compiled: Compiled) -> tuple[str, ...]:
     """Bodies whose mass properties MuJoCo computes from their geoms."""
     always = int(spec.compiler.inertiafromgeom) == int(compiled.engine.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
@@ -239,8 +231,8 @@ def _endless(compiled: Compiled) -> Iterator[Unread]:
 
 def _forced(compiled: Compiled) -> Iterator[Unread]:
     """Passive forces of free joints, which defaults of all joints give them, too."""
-    model, free = compiled.model, compiled.engine.mjtJoint.mjJNT_FREE
-    for joint in (j for j in range(model.njnt) if compiled.joint_type(j) == free):
+    model = compiled.model
+    for joint in compiled.free_joints:
         dofs = slice(int(model.jnt_dofadr[joint]), int(model.jnt_dofadr[joint]) + 6)
         stated = {
             "stiffness": model.jnt_stiffness[joint],
@@ -291,16 +283,13 @@ class _MeshFiles:
                 # Models that are attached may name different files alike.
                 if mesh is not None and (len(files) == 1 or self._is_like(mesh, X, number)):
                     return mesh, X, stated.file
-        start, first = model.mesh_vertadr[number], model.mesh_faceadr[number]
-        vertices = model.mesh_vert[start : start + model.mesh_vertnum[number]]
+        first = model.mesh_faceadr[number]
         faces = model.mesh_face[first : first + model.mesh_facenum[number]]
-        return TriMesh.of(vertices, faces), Pose(), name
+        return TriMesh.of(self._compiled.vertices(number), faces), Pose(), name
 
     def _is_like(self, mesh: TriMesh, X_GM: Pose, number: int) -> bool:
         """Whether a mesh is where MuJoCo has one, by their boxes."""
-        model, start = self._compiled.model, self._compiled.model.mesh_vertadr[number]
-        vertices = model.mesh_vert[start : start + model.mesh_vertnum[number]]
-        moved = X_GM.apply(mesh.vertices)
+        vertices, moved = self._compiled.vertices(number), X_GM.apply(mesh.vertices)
         size = float(np.ptp(vertices, axis=0).max())
         ours, theirs = ([points.min(axis=0), points.max(axis=0)] for points in (vertices, moved))
         return bool(np.allclose(ours, theirs, rtol=0.0, atol=_SINGLE * size))

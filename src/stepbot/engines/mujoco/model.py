@@ -40,13 +40,24 @@ class NamedModel(Struct, frozen=True, dict=True):
     @property
     def bodies(self) -> range:
         """Indices of the links: every body; the world only if a body moves on it by other joints than a free one."""
-        model, free = self.model, self.engine.mjtJoint.mjJNT_FREE
-        held = (j for j in range(model.njnt) if model.body_parentid[model.jnt_bodyid[j]] == 0)
-        return range(0 if any(self.joint_type(joint) != free for joint in held) else 1, model.nbody)
+        model, free = self.model, self.free_joints
+        held = (joint for joint in range(model.njnt) if model.body_parentid[model.jnt_bodyid[joint]] == 0)
+        return range(0 if any(joint not in free for joint in held) else 1, model.nbody)
 
     def joint_type(self, joint: int) -> Any:
         """MuJoCo's name of a joint's type."""
         return self.engine.mjtJoint(self.model.jnt_type[joint])
+
+    @property
+    def free_joints(self) -> list[int]:
+        """Indices of the free joints."""
+        free = self.engine.mjtJoint.mjJNT_FREE
+        return [joint for joint in range(self.model.njnt) if self.joint_type(joint) == free]
+
+    def vertices(self, mesh: int) -> Any:
+        """Vertices (n, 3) [m] of a mesh, in single precision."""
+        start = self.model.mesh_vertadr[mesh]
+        return self.model.mesh_vert[start : start + self.model.mesh_vertnum[mesh]]
 
     @cached_property
     def couplings(self) -> dict[int, tuple[Mimic, int]]:

@@ -251,7 +251,7 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
         **provider("mujoco"),
         format=request.format,
         name=_name(compiled),
-        base=_base(compiled) if mjcf else None,
+        base=("floating" if compiled.free_joints else "fixed") if mjcf else None,
         links=tuple(_link(compiled, body, mjcf) for body in compiled.bodies),
         joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
         gravity=_gravity(compiled) if mjcf else None,
@@ -268,12 +268,6 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
         compiled=content_hash(compiled) if mjcf and request.compiled else "",
         stated_defaults=stated_defaults(compiled, Path(request.file)) if mjcf and request.compiled else (),
     )
-
-
-def _base(compiled: Compiled) -> str:
-    free = compiled.engine.mjtJoint.mjJNT_FREE
-    joints = range(compiled.model.njnt)
-    return "floating" if any(compiled.joint_type(j) == free for j in joints) else "fixed"
 
 
 def _name(compiled: Compiled) -> str:

@@ -102,10 +102,7 @@ def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
     kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
     if kind == engine.mjtGeom.mjGEOM_MESH:
         # MuJoCo stores vertices about the mesh's centre and adds the offset to the pose of the geom.
-        mesh = model.geom_dataid[g]
-        start = model.mesh_vertadr[mesh]
-        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
-        return mesh_bounds(np.asarray(vertices, dtype=np.float64), X_LG)
+        return mesh_bounds(np.asarray(compiled.vertices(model.geom_dataid[g]), dtype=np.float64), X_LG)
     if kind == engine.mjtGeom.mjGEOM_ELLIPSOID:
         half = np.sqrt(((X_LG.R * np.array(size)) ** 2).sum(axis=1))
         return vector3(X_LG.p - half), vector3(X_LG.p + half)

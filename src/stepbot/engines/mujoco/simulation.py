@@ -182,8 +182,7 @@ class MujocoSimulation:
         model, data = self.model, self.data
         mesh = int(model.geom_dataid[geom])
         if mesh >= 0:
-            start = int(model.mesh_vertadr[mesh])
-            points = np.array(model.mesh_vert[start : start + int(model.mesh_vertnum[mesh])], dtype=np.float64)
+            points = np.array(self._compiled.vertices(mesh), dtype=np.float64)
         else:
             half = np.array(model.geom_aabb[geom][3:])
             signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T

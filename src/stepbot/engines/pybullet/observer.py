@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, vector3
+from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
@@ -37,6 +37,7 @@ from ..observation import (
     Quantity,
     Request,
 )
+from ..resources import joined_boxes
 from ..sdformat_reader.tree import round_shapes, tree_copy
 from ..urdf_versions import readable, without_inertial
 from ..xml import xml_root
@@ -172,7 +173,9 @@ def _observe_sdf(engine: Any, request: Request) -> Observation:
         observation = replace(_tree(body, request), notes=tuple(notes), not_run=_NOT_RUN["sdf"])
     with tree_copy(file, held=True, shapes=False) as (path, _), _loaded(engine, path, "sdf") as body:
         mass = engine.getDynamicsInfo(body.id, -1)[0]
-        observation = replace(observation, dynamics=() if mass else _weights(body, request))
+        # It reads masses, but not inertias: gravity forces alone are compared.
+        weights = () if mass else tuple(Dynamics(gravity=one.gravity) for one in _dynamics(body, request))
+        observation = replace(observation, dynamics=weights)
     if not observation.links[0].mass:  # fixed, whatever the file states
         return replace(observation, notes=(*observation.notes, _HELD))
     return replace(observation, base="floating" if mass else "fixed")
@@ -227,6 +230,7 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
     X_LI = body.X_LI[index + 1]
     inertia = turn_inertia(X_LI.R, np.diag(principal)) if request.format == "urdf" else None
     visuals = [data for data in body.engine.getVisualShapeData(body.id) if data[1] == index]
+    colors = [tuple(data[7]) for data in visuals]
     collisions = body.engine.getCollisionShapeData(body.id, index)
     return ObservedLink(
         body.links[index + 1],
@@ -238,22 +242,19 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         # PyBullet displays the collision shapes of a link without visuals.
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
-        visuals=tuple(_displayed(shape[7]) for shape in visuals),
+        # It displays a visual without a colour in opaque white.
+        visuals=tuple(ObservedShape(rgba=rgba, rgba_is_default=rgba == (1.0, 1.0, 1.0, 1.0)) for rgba in colors),
         collisions=tuple(ObservedShape(surface=surface, surface_default=surface and _UNSTATED) for _ in collisions),
     )
-
-
-def _displayed(rgba: Sequence[float]) -> ObservedShape:
-    """A visual by its colour: PyBullet displays one without a colour in opaque white."""
-    return ObservedShape(rgba=tuple(rgba), rgba_is_default=tuple(rgba) == (1.0, 1.0, 1.0, 1.0))
 
 
 def _visual_bounds(body: Body, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
     """Bounding box of the visuals, in the link's frame; None with a mesh, whose vertices PyBullet does not return."""
     if any(shape[2] == body.engine.GEOM_MESH for shape in shapes):
         return None
-    boxes = [primitive_bounds(_primitive(body.engine, shape[2], shape[3]), pose(*shape[5:7])) for shape in shapes]
-    return join_bounds(boxes) if boxes else None
+    return joined_boxes(
+        [primitive_bounds(_primitive(body.engine, shape[2], shape[3]), pose(*shape[5:7])) for shape in shapes]
+    )
 
 
 def _collision_bounds(body: Body, index: int, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
@@ -271,7 +272,7 @@ def _collision_bounds(body: Body, index: int, shapes: Sequence[tuple[Any, ...]])
         if not count:
             return None
         boxes.append(mesh_bounds(vertices, X_LI))
-    return join_bounds(boxes) if boxes else None
+    return joined_boxes(boxes)
 
 
 def _primitive(engine: Any, kind: int, size: Sequence[float]) -> Box | Cylinder | Sphere | Capsule:
@@ -314,11 +315,6 @@ def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
         limit_fields=("lower", "upper") if silent else ("lower", "upper", "velocity", "effort"),
         dynamics=JointDynamics(damping=info[6], friction=info[7]),
     )
-
-
-def _weights(body: Body, request: Request) -> tuple[Dynamics, ...]:
-    """Gravity forces only, for formats of which PyBullet reads masses but not inertias."""
-    return tuple(Dynamics(gravity=one.gravity) for one in _dynamics(body, request))
 
 
 def _poses(body: Body, q: Mapping[str, float]) -> dict[str, Pose]:

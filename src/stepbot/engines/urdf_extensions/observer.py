@@ -185,14 +185,10 @@ def state_sensors(top: Element) -> dict[str, ObservedSensor]:
     for element in top.findall("ros2_control/sensor"):
         readings = frozenset(one.get("name", "") for one in element.findall("state_interface"))
         kind = _READINGS.get(readings)
-        name, joint = element.get("name", ""), _parameter(element, "joint")
-        found[name] = ObservedSensor(name, kind.value if kind else " and ".join(sorted(readings)), joint=joint)
+        name, joint = element.get("name", ""), element.find("param[@name='joint']")
+        on = None if joint is None else (joint.text or "").strip()
+        found[name] = ObservedSensor(name, kind.value if kind else " and ".join(sorted(readings)), joint=on)
     return found
-
-
-def _parameter(element: Element, name: str) -> str | None:
-    texts = [one.text or "" for one in element.findall("param") if one.get("name") == name]
-    return texts[0].strip() if texts else None
 
 
 def observed_actuators(top: Element) -> Iterator[ObservedActuator]:

@@ -10,10 +10,10 @@ from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.gains import actuator_limit, joint_range
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Actuator, ActuatorKind, Frame, JointKind, Limit, Robot
+from stepbot.robot.renaming import names_of
 from stepbot.robot.sensors import OPTICAL, SEEING, Sensor, SensorKind
 
 from .joints import UNLIMITED, frames_as_links
-from .names import names_of
 
 NEAREST, FARTHEST = 0.1, 100.0
 """Range [m] of a camera or a lidar if a format requires one and the robot has none: SDFormat's default for a camera."""

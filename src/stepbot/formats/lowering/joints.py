@@ -17,8 +17,7 @@ from stepbot.robot.kinematics import displacement, mimic_relation
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Mimic, Robot
-
-from .names import names_of
+from stepbot.robot.renaming import names_of
 
 UNLIMITED = 1e9
 """Value for an unlimited quantity if a format requires a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""

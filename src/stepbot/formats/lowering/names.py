@@ -4,18 +4,13 @@ from collections.abc import Callable, Mapping
 
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Robot
-from stepbot.robot.renaming import NewNames, renamed
+from stepbot.robot.renaming import NewNames, names_of, renamed
 
 
 def reserved(robot: Robot, reserves: Callable[[str], bool]) -> list[str]:
     """Names of links, joints, closures and frames that the format reserves."""
     names = dict.fromkeys(names_of(robot, "links", "joints", "closures", "frames"))
     return [f"'{name}'" for name in names if reserves(name)]
-
-
-def names_of(robot: Robot, *kinds: str) -> list[str]:
-    """The names of the elements of some kinds, which are fields of the robot."""
-    return [element.name for kind in kinds for element in getattr(robot, kind)]
 
 
 def renamed_joints(robot: Robot) -> list[str]:

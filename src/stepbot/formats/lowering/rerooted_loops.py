@@ -84,7 +84,8 @@ def _reroot(robot: Robot, closure: LoopClosure, way: tuple[Joint, ...]) -> Robot
     pin = LoopClosure(
         cut.name, _CLOSES_AS[cut.kind], cut.parent, cut.X_PC, cut.child, X_LN[cut.child].inverse(), cut.axis
     )
-    joints = [turned.get(j.name) or _moved_joint(j, X_LN) for j in robot.joints if j.name != cut.name]
+    kept = (joint for joint in robot.joints if joint.name != cut.name)
+    joints = [turned.get(one.name) or replace(one, X_PC=_moved(one.parent, one.X_PC, X_LN)) for one in kept]
     closures = [pin if one.name == closure.name else _moved_closure(one, X_LN) for one in robot.closures]
     links = [_moved_link(link, X_LN[link.name].inverse()) if link.name in X_LN else link for link in robot.links]
     frames = [replace(f, X_LF=_moved(f.link, f.X_LF, X_LN)) for f in robot.frames]
@@ -113,10 +114,6 @@ def _opposite(axis: Vector3) -> Vector3:
 def _moved(link: str, X_LF: Pose, X_LN: Mapping[str, Pose]) -> Pose:
     """A pose on a link, in the link's new frame."""
     return tidy(X_LN[link].inverse() @ X_LF) if link in X_LN else X_LF
-
-
-def _moved_joint(joint: Joint, X_LN: Mapping[str, Pose]) -> Joint:
-    return replace(joint, X_PC=_moved(joint.parent, joint.X_PC, X_LN))
 
 
 def _moved_closure(closure: LoopClosure, X_LN: Mapping[str, Pose]) -> LoopClosure:

@@ -30,11 +30,11 @@ from stepbot.robot.model import (
     Sphere,
     Visual,
 )
+from stepbot.robot.renaming import names_of
 from stepbot.robot.surfaces import Surface
 
 from ..features import USUAL, Feature, altered, deferred, exact, lowered, refused, reported
 from ..format import Companion
-from ..lowering.names import names_of
 from ..lowering.rerooted_loops import reroot_loops
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root, text_of
@@ -177,7 +177,9 @@ def _tree(top: Element, robot: Robot) -> Element:
         shapes = [collision.name for collision in link.collisions]
         sensors_on_link(_link(model, link, X_ML[link.name], files, patterns), link, robot.sensors, shapes)
     if robot.base is Base.FIXED:
-        _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
+        taken = set(names_of(robot, "links", "joints", "closures", "frames"))
+        name = free_name(f"world_to_{robot.root.name}", "_joint", taken)
+        _joint_head(model, name, "fixed", "world", robot.root.name)
     for joint in robot.joints:
         sensors_on_joint(_joint(model, joint), joint.name, robot.sensors)
     for frame in robot.frames:
@@ -198,11 +200,6 @@ def _link_poses(robot: Robot) -> dict[str, Pose]:
     for joint in robot.joints:
         poses[joint.child] = poses[joint.parent] @ joint.X_PC
     return poses
-
-
-def _world_joint_name(robot: Robot) -> str:
-    taken = set(names_of(robot, "links", "joints", "closures", "frames"))
-    return free_name(f"world_to_{robot.root.name}", "_joint", taken)
 
 
 def _with_own_names(link: Link, robot: Robot) -> Link:

@@ -14,7 +14,7 @@ from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environme
 from stepbot.runtime.worker import Start, Worker, Workers
 
 from .search import Overlap, placed, separate_links
-from .shapes import available, only_collisions, prepare
+from .shapes import only_collisions, prepare
 
 __all__ = ["Contact", "contacts", "prepare"]
 
@@ -84,11 +84,6 @@ class ContactSearch:
     def __init__(self, robot: Robot, memory_limit: int | None = None) -> None:
         self._worker = Worker(f"{_ROOM}.worker:contacts", memory_limit=memory_limit)
         self._robot: Robot | None = only_collisions(robot)
-
-    @staticmethod
-    def unavailable() -> str | None:
-        """Why links cannot be compared here; None if they can."""
-        return available()
 
     def at(self, q: Mapping[str, float], timeout: float) -> tuple[Contact, ...]:
         """The links that overlap at positions [rad] or [m] of all moving joints.
