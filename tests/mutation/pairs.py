@@ -83,7 +83,8 @@ def differences(first: Path, other: Path, written_in: str, *, by_diff: bool = Tr
             return None
 
     formats = {first: written_in, other: written_in}
-    asked = ask(formats, {path: path for path in formats}, Probe(observe), count=1, seconds=0.0)
+    places, probe = {path: path for path in formats}, Probe(observe)
+    asked = ask(formats, places, probe, probe.files(formats, places), count=1, seconds=0.0)
     said = {path.as_posix(): statements(path, written_in) for path in formats}
     asked = replace(asked, texts=said)
     ours, theirs = (_seen(path, written_in, asked.requests[path.as_posix()]) for path in formats)

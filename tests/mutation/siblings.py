@@ -104,7 +104,8 @@ class Siblings:
         """The first error of `stepbot verify` for the files, with some replaced; empty if there is none."""
         formats = {changed.get(name, path): name for name, path in self.files.items()}
         found = Diagnostics()
-        asked = ask(formats, {path: path for path in formats}, Probe(self._probed), count=CONFIGURATIONS, seconds=0.0)
+        places, probe = {path: path for path in formats}, Probe(self._probed)
+        asked = ask(formats, places, probe, probe.files(formats, places), count=CONFIGURATIONS, seconds=0.0)
         outcomes = [
             self._outcome(key, engine, request)
             for key, request in asked.requests.items()

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TypeVar
 
 import numpy as np
 from msgspec.structs import replace
@@ -48,9 +49,10 @@ from .judging import (
 )
 from .merged_observation import Gathered, gather
 from .naming import Naming, moved
-from .probe import Probe, in_a_process
+from .probe import Probe, Probed, in_a_process
 from .shapes import link_pairs
 
+_Value = TypeVar("_Value")
 _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""
 _UNREAD = ("SB801", "SB802", "SB901")
@@ -204,9 +206,13 @@ def observed(
 
         # The files are probed while the engines start.
         probe = Probe(observe_renamed)
-        paired = _paired(formats, places, probe, names) if renamed is None else {}
-        asked = ask(formats, places, probe, count=count, seconds=seconds)
-        asked = replace(asked, paired=paired, texts={_key(path): one for path, one in texts.items()})
+        probed = probe.files(formats, places)
+        paired = _paired(probed) if renamed is None else {}
+        for path, ours in paired.items():
+            probed[path] = probed[path].renamed(ours)
+            names[probed[path].asked.file] = ours
+        asked = ask(formats, places, probe, probed, count=count, seconds=seconds)
+        asked = replace(asked, paired=_by_key(paired), texts=_by_key(texts))
         engines.submit(
             {key: with_old_names(one, names.get(one.file, UNCHANGED)) for key, one in asked.requests.items()}
         )
@@ -219,16 +225,11 @@ def observed(
         ]
 
 
-def _paired(
-    formats: Mapping[Path, str], places: Mapping[Path, Path], probe: Probe, names: dict[str, NewNames]
-) -> dict[str, NewNames]:
-    """Names that the first file has for links and joints of each other, by file; added to ``names`` by its place."""
-    seen = {path: one.seen for path, name in formats.items() if (one := probe.look(places[path], name))}
-    first = next(iter(seen.values()), None)
-    paired = {path: counterparts(first, other) for path, other in list(seen.items())[1:]} if first else {}
-    paired = {path: one for path, one in paired.items() if one.links or one.joints}
-    names.update({str(openable(places[path])): one for path, one in paired.items()})
-    return {_key(path): one for path, one in paired.items()}
+def _paired(probed: Mapping[Path, Probed]) -> dict[Path, NewNames]:
+    """Names that the first file has for links and joints of others that name some in another way."""
+    files = list(probed.items())
+    paired = {path: counterparts(files[0][1].seen, other.seen) for path, other in files[1:]}
+    return {path: one for path, one in paired.items() if one.links or one.joints}
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:
@@ -264,23 +265,26 @@ def _key(path: Path) -> str:
     return path.as_posix()
 
 
+def _by_key(values: Mapping[Path, _Value]) -> dict[str, _Value]:
+    return {_key(path): value for path, value in values.items()}
+
+
 def ask(
     formats: Mapping[Path, str],
     places: Mapping[Path, Path],
     probe: Probe,
+    probed: Mapping[Path, Probed],
     *,
     count: int = CONFIGURATIONS,
     seconds: float = SECONDS,
 ) -> Asked:
     """The same poses and motions for all files, in the coordinates of each.
 
-    The requests depend on the joints, which one engine per file is asked for first.
-
     Args:
         places: Where engines find each file.
+        probed: What one engine reports of each file that it can load: the requests depend on the joints.
         seconds: Duration [s] of the passive simulation.
     """
-    probed = {path: seen for path, name in formats.items() if (seen := probe.look(places[path], name))}
     by = {path: probe.correspondence(next(iter(probed.values())), other) for path, other in list(probed.items())[1:]}
     joints = moved(one.naming for one in probed.values())
     drawn = _clear_of_locks(configurations(joints, count, SEED), by.values())
@@ -301,7 +305,7 @@ def ask(
             compiled=list(formats.values()).count(name) > 1,
         )
     table = next((joint_rows(one.seen) for one in probed.values()), ())
-    return Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
+    return Asked(requests, _by_key(by), drawn, table)
 
 
 def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:

@@ -10,10 +10,12 @@ from stepbot.engines import Engine, engines_for
 from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.renaming import NewNames
 from stepbot.runtime.worker import RemoteError, WorkerDied, Workers
 
 from .chains import Chain, Edge, chain, coordinates, is_known, unlike_edges
 from .correspondence import Correspondence, match
+from .counterparts import with_new_names
 from .deviation import tolerance
 from .naming import Naming, naming
 from .stand_ins import without_stand_ins
@@ -44,14 +46,22 @@ class Probed(Struct, frozen=True, eq=False):
     naming: Naming
     engine: Engine
 
+    def renamed(self, names: NewNames) -> "Probed":
+        """The same of a file with new names."""
+        seen = with_new_names(self.seen, names)
+        return replace(self, seen=seen, naming=naming(seen))
+
 
 class Probe(Struct, frozen=True):
     """Runs one engine for a file."""
 
     observe: Observe
 
-    def look(self, path: Path, written_in: str) -> Probed | None:
-        """The content of a file; None if no engine can load it."""
+    def files(self, formats: Mapping[Path, str], places: Mapping[Path, Path]) -> dict[Path, Probed]:
+        """The content of each file that an engine can load, by path; engines find it at its place."""
+        return {path: seen for path, name in formats.items() if (seen := self._look(places[path], name))}
+
+    def _look(self, path: Path, written_in: str) -> Probed | None:
         asked = Request(str(openable(path)), written_in, configurations=({},), simulate=0.0)
         for engine in sorted(engines_for(written_in), key=lambda engine: engine.probing_order):
             if engine.available() is None:
