@@ -30,9 +30,9 @@ def test_no_equations_of_motion_without_a_proof(
         raise AssertionError("equations of motion")
 
     (tmp_path / "chain.urdf").write_text(chain(30), encoding="utf-8")
-    for place in ("stepbot.robot.dynamics.equations_of_motion", "stepbot.engines.reference.equations_of_motion"):
+    for place in ("stepbot.robot.dynamics.equations_at", "stepbot.engines.reference.equations_at"):
         monkeypatch.setattr(place, fail)
-    assert dynamics.equations_of_motion is fail
+    assert dynamics.equations_at is fail
     name, *options = command
     run = stepbot(name, "chain.urdf", *options, "--no-cache", cwd=tmp_path)
     assert run.code == 0, run.err

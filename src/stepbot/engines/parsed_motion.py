@@ -10,8 +10,8 @@ from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose, Vector3, matrix3, vector3
-from stepbot.robot.dynamics import equations_of_motion
-from stepbot.robot.kinematics import MOVING, Tree, link_poses
+from stepbot.robot.dynamics import equations_at
+from stepbot.robot.kinematics import MOVING, Configuration, Tree, link_poses_at
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
 
 from .observation import Dynamics, EngineCannotRead, EngineRefused, Observation, Quantity, Request
@@ -46,15 +46,18 @@ def with_motion(
         return replace(observation, not_run={**observation.not_run, **not_run})
     robot = _robot(observation, frames)
     layout = Tree(robot)
-    poses, dynamics = [], []
-    for q in [*request.configurations, *request.closed]:
-        X_WJ = link_poses(robot, {name: q.get(name, 0.0) for name in layout.joints})
-        poses.append({name: X @ _X_LJ(frames, name).inverse() for name, X in X_WJ.items()})
-    for q, rates in request.moments:
-        known = {name: q.get(name, 0.0) for name in layout.joints}
-        seen = equations_of_motion(robot, known, rates, gravity=gravity(robot.root.name), tree=layout)
-        dynamics.append(Dynamics(seen.mass_matrix, seen.gravity, seen.inverse))
-    return replace(observation, coordinates=layout.joints, poses=tuple(poses), dynamics=tuple(dynamics))
+
+    def known(q: Configuration) -> dict[str, float]:
+        return {name: q.get(name, 0.0) for name in layout.joints}
+
+    poses = tuple(
+        {name: X @ _X_LJ(frames, name).inverse() for name, X in X_WJ.items()}
+        for X_WJ in link_poses_at(robot, [known(q) for q in (*request.configurations, *request.closed)], layout)
+    )
+    moments = [(known(q), rates) for q, rates in request.moments]
+    equations = equations_at(robot, moments, gravity=gravity(robot.root.name), tree=layout)
+    dynamics = tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations)
+    return replace(observation, coordinates=layout.joints, poses=poses, dynamics=dynamics)
 
 
 def _X_LJ(frames: Frames, link: str) -> Pose:

@@ -10,9 +10,9 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
-from stepbot.robot.dynamics import Equations, equations_of_motion
+from stepbot.robot.dynamics import Equations, equations_at
 from stepbot.robot.gains import control_range, force_range
-from stepbot.robot.kinematics import Tree, initial_configuration, link_poses, without_contacts
+from stepbot.robot.kinematics import Tree, initial_configuration, link_poses_at, without_contacts
 from stepbot.robot.loop_followers import loop_sensitivity
 from stepbot.robot.model import (
     Actuator,
@@ -117,8 +117,8 @@ class Reference:
         known = next((motion for motion in self._motions if motion.inputs == inputs), None)
         if known is None:
             tree = Tree(robot)
-            poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
-            equations = tuple(equations_of_motion(robot, q, rates, tree=tree) for q, rates in moments)
+            poses = tuple(link_poses_at(robot, [*request.configurations, *closed], tree))
+            equations = tuple(equations_at(robot, moments, tree=tree)) if moments else ()
             known = _Motion(inputs, tree.joints, poses, equations)
             self._motions.append(known)
         return known

@@ -60,8 +60,8 @@ class Pose(Struct, frozen=True, dict=True):
     @staticmethod
     def from_matrix(matrix: ArrayLike) -> "Pose":
         """Pose from a homogeneous (4, 4) or (3, 4) matrix."""
-        X = np.asarray(matrix, dtype=np.float64)
-        return Pose.of(X[:3, :3], X[:3, 3])
+        (a, b, c, x), (d, e, f, y), (g, h, i, z) = np.asarray(matrix, dtype=np.float64)[:3].tolist()
+        return Pose(((a, b, c), (d, e, f), (g, h, i)), (x, y, z))
 
     @staticmethod
     def from_xyz_rpy(xyz: ArrayLike = ZERO3, rpy: ArrayLike = ZERO3) -> "Pose":

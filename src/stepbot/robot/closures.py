@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import DECIMALS, Array, Pose, cross, perpendicular_frame
 
-from .kinematics import Configuration, Tree, initial_configuration, leader_range, leader_ranges, within_limits
+from .kinematics import Configuration, Tree, initial_configuration, leader_ranges, within_limits
 from .model import JointKind, LoopClosure, Robot
 from .multi_dof import unfolded
 
@@ -395,5 +395,5 @@ def _stride(robot: Robot, name: str) -> float:
     """Maximum motion [rad] or [m] of a driven joint between two closed configurations."""
     if robot.joint_by_name[name].kind is not JointKind.PRISMATIC:
         return LARGEST_STEP
-    low, high = leader_range(robot, name)
+    low, high = leader_ranges(robot, [name])[name]
     return LARGEST_STEP * max(high - low, 1e-9)

@@ -13,7 +13,7 @@ from stepbot.geometry.spatial import Array, rotated
 from .bounding_boxes import robot_bounds, standing
 from .closures import RANK_TOLERANCE, DoesNotClose, Loops, driven_joints, following
 from .dh import DhTable, dh_table
-from .dynamics import GRAVITY, equations_of_motion
+from .dynamics import GRAVITY, equations_at, equations_of_motion
 from .gains import actuator_limit
 from .kinematics import Tree, initial_configuration, link_poses, rigid_bodies
 from .model import ActuatorKind, Base, Frame, Joint, JointKind, Robot
@@ -192,7 +192,7 @@ class _Forces:
 
     def _at(self, q: Array, armature: Array, S: Array) -> tuple[Array, Array]:
         """Mass matrices (m, n, n) and gravity forces (m, n) at q (m, joints of the tree); S maps the n to these."""
-        equations = [equations_of_motion(self.robot, self.named(row), tree=self.tree) for row in q]
+        equations = equations_at(self.robot, [(self.named(row), ({}, {})) for row in q], tree=self.tree)
         along = np.broadcast_to(S, (len(q), *S.shape[1:]))
         M = np.array([B.T @ (one.mass_matrix + armature) @ B for one, B in zip(equations, along, strict=True)])
         return M, np.array([one.gravity @ B for one, B in zip(equations, along, strict=True)])

@@ -6,7 +6,7 @@ formulas are the plain sums over links (Murray, Li, Sastry 1994, eq. 4.19 and 4.
 share no step with the algorithms of the engines that they verify.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from msgspec import Struct
@@ -21,6 +21,8 @@ from .multi_dof import split, unfolded
 
 _SINGULAR = 1e-12
 """Share of its own inertia below which what a joint moves beyond the other joints is rounding."""
+_MOST_ENTRIES = 200_000
+"""Columns of Jacobians that are computed at once: links times joints times configurations."""
 GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of gravity [m/s^2] for computing and observing gravity forces."""
 
@@ -42,42 +44,68 @@ class Equations(Struct, frozen=True, eq=False):
 def equations_of_motion(
     robot: Robot, q: Configuration, rates: Rates = ({}, {}), *, gravity: Vector3 = GRAVITY, tree: Tree | None = None
 ) -> Equations:
-    """Mass matrix, gravity forces and inverse dynamics at one configuration.
+    """Mass matrix, gravity forces and inverse dynamics at one configuration; see :func:`equations_at`."""
+    return equations_at(robot, [(q, rates)], gravity=gravity, tree=tree)[0]
+
+
+def equations_at(
+    robot: Robot,
+    moments: Sequence[tuple[Configuration, Rates]],
+    *,
+    gravity: Vector3 = GRAVITY,
+    tree: Tree | None = None,
+) -> list[Equations]:
+    """Mass matrix, gravity forces and inverse dynamics at several configurations, each bit for bit as alone.
 
     Args:
-        q: Positions [rad] or [m]; completed first.
-        rates: Velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2].
+        moments: Positions [rad] or [m], completed first, with velocities [rad/s], [m/s] and accelerations [rad/s^2],
+            [m/s^2].
         gravity: Acceleration of gravity [m/s^2].
         tree: The robot's tree, if already computed.
 
     Raises:
-        KeyError: ``q`` contains a name that is not a moving joint.
+        KeyError: A configuration contains a name that is not a moving joint.
     """
     tree = tree or Tree(robot)
-    full = complete(robot, q)
-    X = tree.frames(np.array([full[name] for name in tree.joints]))
-    v, a = (np.array([float(rate.get(name, 0.0)) for name in tree.joints]) for rate in rates)
+    at_once = max(1, _MOST_ENTRIES // max(1, len(robot.links) * len(tree.joints)))
+    return [
+        one
+        for start in range(0, len(moments), at_once)
+        for one in _equations(robot, moments[start : start + at_once], gravity, tree)
+    ]
+
+
+def _equations(
+    robot: Robot, moments: Sequence[tuple[Configuration, Rates]], gravity: Vector3, tree: Tree
+) -> Iterator[Equations]:
+    positions = [complete(robot, q) for q, _ in moments]
+    X = tree.frames(np.array([[q[name] for name in tree.joints] for q in positions]))
+    v, a = (
+        np.array([[float(rates[which].get(name, 0.0)) for name in tree.joints] for _, rates in moments])
+        for which in (0, 1)
+    )
     links = [tree.link_index[link.name] for link in robot.links]
     bodies = [link.mass_properties for link in robot.links]
-    R_WL, p_WL = X[links, :3, :3], X[links, :3, 3]
+    X_WL = X[:, links]
+    R_WL, p_WL = X_WL[..., :3, :3], X_WL[..., :3, 3]
     p_WLcm = p_WL + rotated(R_WL, np.array([body.com for body in bodies]))
     I_W = turn_inertia(R_WL, np.array([body.inertia for body in bodies]))
     mass = np.array([body.mass for body in bodies])[:, None]
     J = tree.jacobian(X, links, p_WLcm)
-    momenta = np.concatenate([matrix_product(I_W, J[:, :3]), mass[:, None] * J[:, 3:]], axis=1)
-    M = np.zeros((len(tree.joints),) * 2)
-    for moves, momentum in zip(J, momenta, strict=True):
-        on = np.flatnonzero(moves.any(axis=0))  # the joints that move this link
-        M[np.ix_(on, on)] += matrix_product(moves[:, on].T, momentum[:, on])
-    g = -_efforts(J[:, 3:], mass * np.array(gravity))
-    c = np.zeros(len(tree.joints))
+    momenta = np.concatenate([matrix_product(I_W, J[..., :3, :]), mass[:, None] * J[..., 3:, :]], axis=-2)
+    M = np.zeros((len(moments), len(tree.joints), len(tree.joints)))
+    for i, link in enumerate(links):
+        on = tree.above(link)
+        M[:, on[:, None], on] += matrix_product(J[:, i][..., on].swapaxes(-1, -2), momenta[:, i][..., on])
+    M = 0.5 * (M + M.swapaxes(-1, -2))
+    g = -_efforts(J[..., 3:, :], mass * np.array(gravity))
+    c = np.zeros_like(g)
     if v.any():
         turning, moving = tree.bias(X, v, links, p_WLcm)
-        w_WL = (J[:, :3] * v).sum(axis=-1)
+        w_WL = (J[..., :3, :] * v[:, None, None]).sum(axis=-1)
         torques = rotated(I_W, turning) + cross(w_WL, rotated(I_W, w_WL))
-        c = _efforts(J, np.concatenate([torques, mass * moving], axis=1))
-    M = 0.5 * (M + M.T)
-    return Equations(M, g, (M * a).sum(axis=1) + c + g)
+        c = _efforts(J, np.concatenate([torques, mass * moving], axis=-1))
+    return map(Equations, M, g, (M * a[:, None]).sum(axis=-1) + c + g)
 
 
 def mobilities(robot: Robot) -> dict[str, float]:
@@ -130,5 +158,5 @@ def _inverse_diagonal(M: Array) -> Array:
 
 
 def _efforts(J: Array, forces: Array) -> Array:
-    """Efforts (n,) of joints for forces and torques (m, k) on links with the Jacobians J (m, k, n)."""
-    return np.asarray((J * forces[..., None]).sum(axis=(0, 1)))
+    """Efforts (..., n) of joints for forces and torques (..., m, k) on links with the Jacobians J (..., m, k, n)."""
+    return np.asarray((J * forces[..., None]).sum(axis=(-3, -2)))

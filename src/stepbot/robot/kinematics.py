@@ -8,6 +8,7 @@ translate along it, screws do both. The coordinates of a multi-dof joint are tho
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import combinations
 from math import pi
 
 import numpy as np
@@ -140,6 +141,10 @@ class Tree:
         """Whether each joint (n,) moves one of two links, given by index, relative to the other."""
         return np.asarray(self._above[a] != self._above[b])
 
+    def above(self, link: int) -> NDArray[np.intp]:
+        """Indices of the joints that move a link, given by index."""
+        return np.flatnonzero(self._above[link])
+
     def related(self, coordinate: int) -> NDArray[np.intp]:
         """Indices of the independent joints that move a link which the given one moves: above it, itself, below it."""
         return np.flatnonzero(self._moved[self._moved[:, coordinate]].any(axis=0))
@@ -231,23 +236,24 @@ class Tree:
         """Accelerations of links at constant joint speeds: the time derivative of J, times v.
 
         Args:
-            X: Homogeneous X_WL [m] of all links at one configuration.
-            v: Speed of every joint (n,).
+            X: Homogeneous X_WL [m] of all links, shape (..., links, 4, 4).
+            v: Speed of every joint (..., n).
             links: Indices of links (m,).
-            p_WQ: A point Q (m, 3) [m] of each, in the world.
+            p_WQ: A point Q (..., m, 3) [m] of each, in the world.
 
         Returns:
-            Angular acceleration (m, 3) [rad/s^2] of the links, and acceleration (m, 3) [m/s^2] of the points.
+            Angular acceleration (..., m, 3) [rad/s^2] of the links, and acceleration (..., m, 3) [m/s^2] of the points.
         """
-        a_W, p_WC = self._axes(X)
-        twists = (self.jacobian(X, self._child.tolist(), p_WC) * v).sum(axis=-1)
-        turned = cross(twists[:, :3], a_W)  # an axis moves with the link that it is fixed to
-        v_Q = (self.jacobian(X, links, p_WQ)[:, 3:] * v).sum(axis=-1)
-        swept = cross(turned, p_WQ[:, None] - p_WC) + cross(a_W, v_Q[:, None] - twists[:, 3:])
+        a_W, p_WC = (each[..., None, :, :] for each in self._axes(X))
+        twists = (self.jacobian(X, self._child.tolist(), p_WC[..., 0, :, :]) * v[..., None, None, :]).sum(axis=-1)
+        twists = twists[..., None, :, :]
+        turned = cross(twists[..., :3], a_W)  # an axis moves with the link that it is fixed to
+        v_Q = (self.jacobian(X, links, p_WQ)[..., 3:, :] * v[..., None, None, :]).sum(axis=-1)
+        swept = cross(turned, p_WQ[..., None, :] - p_WC) + cross(a_W, v_Q[..., None, :] - twists[..., 3:])
         rows = self._turn[:, None] * swept + self._advance[:, None] * turned
-        speeds = np.where(self._above[links], v, 0.0)
-        turning = ((self._turn * speeds)[..., None] * turned).sum(axis=1)
-        return np.asarray(turning), np.asarray((speeds[..., None] * rows).sum(axis=1))
+        speeds = np.where(self._above[links], v[..., None, :], 0.0)
+        turning = ((self._turn * speeds)[..., None] * turned).sum(axis=-2)
+        return np.asarray(turning), np.asarray((speeds[..., None] * rows).sum(axis=-2))
 
 
 def advance(joint: Joint) -> float:
@@ -264,18 +270,26 @@ def displacement(joint: Joint, q: float) -> Pose:
 
 
 def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict[str, Pose]:
-    """X_WL of every link, in tree order; ``q`` is completed first.
+    """X_WL of every link at one configuration; see :func:`link_poses_at`."""
+    return link_poses_at(robot, [q], tree)[0]
+
+
+def link_poses_at(robot: Robot, of: Sequence[Configuration], tree: Tree | None = None) -> list[dict[str, Pose]]:
+    """X_WL of every link, in tree order, at each configuration, which is completed first.
 
     Args:
-        q: Positions [rad] or [m].
+        of: Positions [rad] or [m].
         tree: The robot's tree, if already computed.
 
     Raises:
-        KeyError: ``q`` contains a name that is not a moving joint.
+        KeyError: A configuration contains a name that is not a moving joint.
     """
-    tree, full = tree or Tree(robot), complete(robot, q)
-    X = tree.frames(np.array([full[name] for name in tree.joints]))
-    return {link.name: Pose.from_matrix(X[tree.link_index[link.name]]) for link in robot.links}
+    tree = tree or Tree(robot)
+    positions = [complete(robot, q) for q in of]
+    X = tree.frames(np.array([[q[name] for name in tree.joints] for q in positions]).reshape(len(of), len(tree.joints)))
+    names = [link.name for link in robot.links]
+    placed = X[:, [tree.link_index[name] for name in names], :3]
+    return [dict(zip(names, map(Pose.from_matrix, at), strict=True)) for at in placed]
 
 
 def sampling_range(joint: Joint) -> tuple[float, float]:
@@ -292,16 +306,11 @@ def sampling_range(joint: Joint) -> tuple[float, float]:
     return lower, upper
 
 
-def leader_range(robot: Robot, name: str) -> tuple[float, float]:
-    """Bounds [rad] or [m] of an independent joint that also keep its mimics within their limits.
+def leader_ranges(robot: Robot, names: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Bounds [rad] or [m] of independent joints that also keep their mimics within their limits, by name.
 
     If no position satisfies all of them, the joint's own bounds.
     """
-    return leader_ranges(robot, [name])[name]
-
-
-def leader_ranges(robot: Robot, names: Iterable[str]) -> dict[str, tuple[float, float]]:
-    """The same of several independent joints, by name."""
     robot = unfolded(robot)
     own = {name: sampling_range(robot.joint_by_name[name]) for name in names}
     kept = dict(own)
@@ -371,16 +380,10 @@ def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
     held += [(closure.link_a, closure.link_b) for closure in robot.closures]
     bodies = {frozenset((rigid[a], rigid[b])) for a, b in held}
     return frozenset(
-        frozenset((a, b)) for a, b in _pairs(rigid) if frozenset((rigid[a], rigid[b])) in bodies or rigid[a] == rigid[b]
+        frozenset((a, b))
+        for a, b in combinations(rigid, 2)
+        if frozenset((rigid[a], rigid[b])) in bodies or rigid[a] == rigid[b]
     )
-
-
-def free_parts(robot: Robot) -> dict[str, str]:
-    """For each link the root of the part that moves freely: the robot's root, or the child of a floating joint."""
-    part = {robot.root.name: robot.root.name}
-    for joint in robot.joints:
-        part[joint.child] = joint.child if joint.kind is JointKind.FLOATING else part[joint.parent]
-    return part
 
 
 def without_contacts(robot: Robot) -> frozenset[frozenset[str]]:
@@ -391,8 +394,3 @@ def without_contacts(robot: Robot) -> frozenset[frozenset[str]]:
     found = robot.self_collision
     stated = frozenset(frozenset(pair) for pair in robot.excluded_contacts)
     return neighbours(robot) | stated | (found.excluded if found is not None else frozenset())
-
-
-def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:
-    ordered = list(names)
-    return [(a, b) for i, a in enumerate(ordered) for b in ordered[i + 1 :]]

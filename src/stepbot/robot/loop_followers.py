@@ -13,7 +13,7 @@ from msgspec import Struct
 from stepbot.geometry.spatial import Array
 
 from .closures import DoesNotClose, Loops, driven_joints, following, loop_ways, walk
-from .kinematics import Configuration, initial_configuration, leader_range
+from .kinematics import Configuration, initial_configuration, leader_ranges
 from .model import JointKind, Mimic, Robot
 
 ANGLE, TRAVEL = 1e-3, 1e-4
@@ -78,7 +78,7 @@ def _found(robot: Robot) -> list[Follower]:
 
 def _path(robot: Robot, loops: Loops, start: Array, free: list[int], name: str, *, near: bool) -> Array:
     """Closed configurations (n, k) from the drawn pose, the first one, to both ends of a driven joint's range."""
-    ends = list(leader_range(robot, name))
+    ends = list(leader_ranges(robot, [name])[name])
     if near:
         here = float(start[loops.tree.independent.index(name)])
         ends = [here + max(-_NEAR, min(_NEAR, end - here)) for end in ends]

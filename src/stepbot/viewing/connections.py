@@ -17,7 +17,7 @@ from stepbot.robot.kinematics import (
     advance,
     independent_joints,
     initial_configuration,
-    leader_range,
+    leader_ranges,
     mimic_relation,
     sampling_range,
 )
@@ -51,7 +51,7 @@ def motion_document(robot: Robot) -> Json:
 def _slider(robot: Robot, name: str) -> list[float]:
     """The range of a slider [rad] or [m]; a slide without limits goes as far as its two links are large."""
     joint = unfolded(robot).joint_by_name[name]
-    low, high = leader_range(robot, name)
+    low, high = leader_ranges(robot, [name])[name]
     ends = (joint.limit.lower, joint.limit.upper)
     if joint.kind is not JointKind.PRISMATIC or all(map(isfinite, ends)) or (low, high) != sampling_range(joint):
         return [low, high]

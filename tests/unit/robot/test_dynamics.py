@@ -9,8 +9,8 @@ from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.dynamics import GRAVITY, equations_of_motion, mobilities
-from stepbot.robot.kinematics import Tree, complete, configurations, link_poses, rates
+from stepbot.robot.dynamics import GRAVITY, equations_at, equations_of_motion, mobilities
+from stepbot.robot.kinematics import Tree, complete, configurations, link_poses, link_poses_at, rates
 from stepbot.robot.model import Joint, JointKind, Link, Robot
 from tests.robots import ROBOTS
 
@@ -118,6 +118,18 @@ def test_power_is_what_the_energy_grows_by(name: str) -> None:
 def free(robot: Robot) -> Robot:
     """The robot without mimics, in which every joint is a coordinate."""
     return replace(robot, joints=tuple(replace(joint, mimic=None) for joint in robot.joints))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_many_configurations_at_once_are_each_alone(name: str) -> None:
+    """The equations of many configurations are, bit for bit, those of each; so are the poses."""
+    robot = ROBOTS[name]()
+    moments = list(zip(configurations(robot, n=5), (({}, {}), *rates(robot, n=4)), strict=True))
+    for one, (q, given) in zip(equations_at(robot, moments), moments, strict=True):
+        alone = equations_of_motion(robot, q, given)
+        for field in ("mass_matrix", "gravity", "inverse"):
+            np.testing.assert_array_equal(getattr(one, field), getattr(alone, field))
+    assert link_poses_at(robot, [q for q, _ in moments]) == [link_poses(robot, q) for q, _ in moments]
 
 
 def test_a_slider_carries_its_weight() -> None:

@@ -13,7 +13,7 @@ from stepbot.robot.kinematics import (
     configurations,
     independent_joints,
     initial_configuration,
-    leader_range,
+    leader_ranges,
     link_poses,
     mimic_relation,
     moving_joints,
@@ -215,10 +215,10 @@ def test_what_has_no_limit_is_sampled_within_reach(
 def test_a_leader_minds_those_who_follow() -> None:
     """The range of a leader is limited by its mimics: the thumb's leaves the finger all of its stroke."""
     robot = gripper_with_mimic()
-    assert leader_range(robot, "finger") == (0.0, 0.03)
+    assert leader_ranges(robot, ["finger"])["finger"] == (0.0, 0.03)
     thumb = replace(robot.joint_by_name["thumb_pivot"], limit=Limit(-0.1, 1.0))
     robot = replace(robot, joints=(*robot.joints[:-1], thumb))
-    low, high = leader_range(robot, "finger")
+    low, high = leader_ranges(robot, ["finger"])["finger"]
     assert low == 0.0
     assert high == pytest.approx(0.2 * 7 / 100, abs=1e-15)
 
@@ -233,7 +233,7 @@ def test_the_range_that_a_follower_leaves_its_leader(multiplier: float, expected
         Joint("a", JointKind.REVOLUTE, "base", "x", limit=Limit(-1.0, 1.0)),
         Joint("b", JointKind.REVOLUTE, "x", "y", limit=Limit(-0.5, 0.5), mimic=Mimic("a", multiplier, 0.1)),
     )
-    assert leader_range(robot, "a") == pytest.approx(expected, abs=1e-15)
+    assert leader_ranges(robot, ["a"])["a"] == pytest.approx(expected, abs=1e-15)
 
 
 def test_contradicting_followers_leave_the_leader_its_own_range() -> None:
@@ -242,7 +242,7 @@ def test_contradicting_followers_leave_the_leader_its_own_range() -> None:
         Joint("a", JointKind.REVOLUTE, "base", "x", limit=Limit(0.0, 1.0)),
         Joint("b", JointKind.REVOLUTE, "x", "y", limit=Limit(5.0, 6.0), mimic=Mimic("a")),
     )
-    assert leader_range(robot, "a") == (0.0, 1.0)
+    assert leader_ranges(robot, ["a"])["a"] == (0.0, 1.0)
 
 
 def test_the_initial_configuration_is_the_drawn_one() -> None:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.solids.box_pairs import boxes_meet
 from stepbot.geometry.spatial import Array
-from stepbot.robot.kinematics import Tree, complete, free_parts, initial_configuration, neighbours
-from stepbot.robot.model import Robot
+from stepbot.robot.kinematics import Tree, complete, initial_configuration, neighbours
+from stepbot.robot.model import JointKind, Robot
 from stepbot.robot.sampling import sampled
 from stepbot.robot.self_collision import PairClass, PairContact, SelfCollision
 
@@ -159,7 +159,7 @@ def matrix(robot: Robot, samples: int, seed: int = 1) -> SelfCollision:
         DoesNotClose: The drawn pose is not closed.
     """
     tree, q = Tree(robot), sampled(robot, samples, seed)
-    part = free_parts(robot)
+    part = _free_parts(robot)
     separate = [pair for pair in separate_links(robot) if part[pair.a] == part[pair.b]]
     overlapping: list[list[NDArray[np.int64]]] = [[] for _ in separate]
     for start in range(0, len(q), _AT_ONCE):
@@ -196,3 +196,11 @@ def _classified(pair: LinkPair, overlapping: NDArray[np.int64], tree: Tree, q: A
         first,
         tuple(zip(tree.joints, q[first].tolist(), strict=True)),
     )
+
+
+def _free_parts(robot: Robot) -> dict[str, str]:
+    """For each link the root of the part that moves freely: the robot's root, or the child of a floating joint."""
+    part = {robot.root.name: robot.root.name}
+    for joint in robot.joints:
+        part[joint.child] = joint.child if joint.kind is JointKind.FLOATING else part[joint.parent]
+    return part
