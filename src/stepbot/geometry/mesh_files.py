@@ -114,10 +114,12 @@ def _loaded(content: bytes, kind: str) -> tuple[Any, bool]:
     except collada.common.DaeError:
         broken = collada.Collada(BytesIO(content), ignore=[collada.common.DaeError])
     known = {f"#{material.id}" for material in broken.materials}
-    uses = [
-        (parent, one) for parent in broken.xmlnode.getroot().iter() for one in parent if one.tag == _USE_OF_MATERIAL
+    wrong = [
+        (parent, one)
+        for parent in broken.xmlnode.getroot().iter()
+        for one in parent
+        if one.tag == _USE_OF_MATERIAL and one.get("target") not in known
     ]
-    wrong = [(parent, one) for parent, one in uses if one.get("target") not in known]
     for parent, one in wrong:
         parent.remove(one)
     mended = BytesIO()

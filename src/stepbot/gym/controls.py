@@ -147,8 +147,7 @@ class Controls:
 
     def read(self) -> Array:
         """The targets that actions move, in the joints' units."""
-        moved: Array = self._control[self._moved] / self._gear[self._moved]
-        return moved
+        return np.asarray(self._control[self._moved] / self._gear[self._moved])
 
 
 def home_control(model: Model, keyframe: int | None, q: Array, changed: Mapping[int, float]) -> Array:

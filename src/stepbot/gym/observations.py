@@ -152,8 +152,7 @@ class Observations:
         """The values (n,) of a state."""
         q = data.qpos
         cos, sin = (np.cos(q), np.sin(q)) if self._turns else (q, q)
-        found: Array = np.concatenate((q, cos, sin, data.qvel, data.sensordata))[self._index]
-        return found
+        return np.asarray(np.concatenate((q, cos, sin, data.qvel, data.sensordata))[self._index])
 
 
 def _positions(model: Model) -> Iterator[Value]:

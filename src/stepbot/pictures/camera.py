@@ -58,8 +58,6 @@ class Camera(Struct, frozen=True, eq=False, dict=True):
     """[px]."""
     height: int
     """[px]."""
-    tangent: float = TANGENT
-    """Tangent of half the angle of the picture's height."""
 
     @cached_property
     def axes(self) -> tuple[Array, Array, Array]:
@@ -81,15 +79,15 @@ class Camera(Struct, frozen=True, eq=False, dict=True):
         x = np.arange(self.width)[None, :] + within[0]
         y = np.arange(first, last)[:, None] + within[1]
         right, up, forward = self.axes
-        u = (2 * x - self.width) / self.height * self.tangent
-        v = (self.height - 2 * y) / self.height * self.tangent
+        u = (2 * x - self.width) / self.height * TANGENT
+        v = (self.height - 2 * y) / self.height * TANGENT
         return unit_vectors(forward + u[..., None] * right + v[..., None] * up).reshape(-1, 3)
 
     def project(self, points: ArrayLike) -> Array:
         """Places in the picture [px] of points (n, 3) [m], shape (n, 2): x to the right, y down."""
         right, up, forward = self.axes
         away = np.asarray(points, dtype=np.float64).reshape(-1, 3) - self.position
-        depth = (away @ forward) * self.tangent
+        depth = (away @ forward) * TANGENT
         x, y = away @ right / depth, away @ up / depth
         return np.stack(((x * self.height + self.width) / 2, (1.0 - y) * self.height / 2), axis=1)
 
@@ -117,5 +115,4 @@ def camera_of(points: Array, view: View, width: int, height: int, room: float = 
 
 def unit_vectors(vectors: Array) -> Array:
     """Vectors (..., 3) scaled to length 1; zero stays zero."""
-    unit: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
-    return unit
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))

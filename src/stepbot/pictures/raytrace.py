@@ -141,8 +141,7 @@ class Renderer:
         return total[first - start : last - start] / samples**2
 
     def _eyes(self, directions: Array) -> Array:
-        eyes: Array = np.broadcast_to(self._camera.position, directions.shape)
-        return eyes
+        return np.asarray(np.broadcast_to(self._camera.position, directions.shape))
 
     def _shade(self, directions: Array, quadruples: Array) -> Array:
         """Linear colours seen by rays from the camera, shape (n, 3), of whole rows; four numbers for each ray."""
@@ -182,8 +181,7 @@ class Renderer:
         shine = np.clip(np.einsum("ij,ij->i", normals, half), 0.0, 1.0) ** _GLOSS_POWER * _GLOSS * (facing > 0.0)
         colors = self._scene.colors[triangles]
         rim = 0.10 * (1.0 + np.einsum("ij,ij->i", normals, directions)).clip(0.0, 1.0) ** 4
-        shaded: Array = colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None]
-        return shaded
+        return np.asarray(colors * (_SUN_LIGHT * facing * lit + sky)[:, None] + (lit * shine + rim * sky)[:, None])
 
     def _floor(self, directions: Array, met: NDArray[np.int32], points: Array) -> NDArray[np.intp]:
         """Rays that meet the floor near the robot; their ``points`` are set."""
@@ -200,13 +198,11 @@ class Renderer:
         """Linear colours of the floor: the background's, darker in shadows."""
         share = (0.42 * lit + 0.58 * sky / _SKY_LIGHT).clip(0.0, 1.0)
         fade = np.clip(2.5 * (1.0 - self._distance(points)), 0.0, 1.0)
-        colors: Array = PAPER * (1.0 - fade * 0.62 * (1.0 - share))[:, None]
-        return colors
+        return np.asarray(PAPER * (1.0 - fade * 0.62 * (1.0 - share))[:, None])
 
     def _distance(self, points: Array) -> Array:
         """Horizontal distance from the target of the camera, relative to that at which the floor ends."""
-        distance: Array = np.linalg.norm(points[:, :2] - self._camera.target[:2], axis=1) / (1.3 * self._size)
-        return distance
+        return np.asarray(np.linalg.norm(points[:, :2] - self._camera.target[:2], axis=1) / (1.3 * self._size))
 
     def _light(self, points: Array, normals: Array, quadruples: Array) -> Array:
         """Whether one point of the key light is visible, and the light of one point of the sky: shape (n, 2)."""
@@ -303,8 +299,7 @@ def _averaged(light: Array, points: Array, normals: Array, width: int) -> Array:
 
 def _inner(a: Sequence[NDArray[np.float32]], b: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
     """Inner products of vectors whose components are arrays of their own, which is faster than arrays of vectors."""
-    product: NDArray[np.float32] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return product
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 def _spread(number: int | NDArray[np.int64], dimensions: int) -> Array:
@@ -312,8 +307,7 @@ def _spread(number: int | NDArray[np.int64], dimensions: int) -> Array:
     phi = 2.0
     for _ in range(40):
         phi = (1.0 + phi) ** (1.0 / (dimensions + 1))
-    point: Array = (0.5 + number * phi ** -np.arange(1.0, dimensions + 1)) % 1.0
-    return point
+    return np.asarray((0.5 + number * phi ** -np.arange(1.0, dimensions + 1)) % 1.0)
 
 
 def _beside(normals: Array) -> tuple[Array, Array]:
@@ -327,8 +321,7 @@ def _beside(normals: Array) -> tuple[Array, Array]:
 
 def linear(srgb: Array) -> Array:
     """Linear light from sRGB values between 0 and 1."""
-    light: Array = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    return light
+    return np.asarray(np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4))
 
 
 def _encoded(light: Array) -> NDArray[np.uint8]:

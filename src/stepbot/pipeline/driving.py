@@ -142,21 +142,20 @@ def _drive_written(
 
 def _report(folder: Path, target: Path, found: Diagnostics) -> dict[str, Any] | None:
     """The report of a folder; None after SB833."""
+    place = Span((folder / REPORT).as_posix())
     try:
         document = json.loads(read_regular(folder / REPORT).decode("utf-8"))
     except OSError:
         found.add("SB833", f"no {REPORT} in '{folder.as_posix()}'", Span(target.as_posix()))
         return None
     except ValueError as error:
-        found.add("SB833", f"{REPORT} is not JSON: {error}", Span((folder / REPORT).as_posix()))
+        found.add("SB833", f"{REPORT} is not JSON: {error}", place)
         return None
     if not isinstance(document, dict) or not isinstance(document.get("robot"), dict):
-        found.add("SB833", f"{REPORT} has no robot", Span((folder / REPORT).as_posix()))
+        found.add("SB833", f"{REPORT} has no robot", place)
         return None
     if not isinstance(document.get("files"), list):
-        found.add(
-            "SB833", f"{REPORT} is not the report of a robot: no list of files", Span((folder / REPORT).as_posix())
-        )
+        found.add("SB833", f"{REPORT} is not the report of a robot: no list of files", place)
         return None
     return document
 

@@ -155,5 +155,4 @@ def _body_colors(body: Body, component: Component) -> Array:
     """sRGB of each face of a body in an occurrence, shape (m, 3)."""
     colors = np.array([rgb(color or component.color or GREY) for color in body.colors] or [rgb(GREY)])
     used = body.face_colors if len(body.colors) else np.zeros(len(body.mesh.faces), dtype=int)
-    picked: Array = colors[used]
-    return picked
+    return np.asarray(colors[used])

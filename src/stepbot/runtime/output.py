@@ -126,21 +126,14 @@ def discard(folder: Path) -> None:
     """Remove the files of an earlier run from a folder, except changed files and those of others."""
     try:
         with locked(folder, _LONGEST_WAIT):
-            _discard(folder)
+            for needs in OutputList.read(folder).files.values():
+                for path, digest in needs.items():
+                    _remove_stale(folder, path, digest)
+            if {path.name for path in folder.iterdir()} - {LOCK} == {MANIFEST}:
+                (folder / MANIFEST).unlink()
+                remove_if_empty(folder)
     except FolderInUse as error:
         _refuse(folder, str(error), "wait until it has finished, or choose another folder with -o")
-    except OSError:  # there is no such folder
-        return
-
-
-def _discard(folder: Path) -> None:
-    for needs in OutputList.read(folder).files.values():
-        for path, digest in needs.items():
-            _remove_stale(folder, path, digest)
-    try:
-        if {path.name for path in folder.iterdir()} - {LOCK} == {MANIFEST}:
-            (folder / MANIFEST).unlink()
-            remove_if_empty(folder)
     except OSError:  # there is no such folder
         return
 

@@ -25,7 +25,7 @@ from msgspec.structs import replace
 
 from .processes import can_fork, core_count, end_with_parent, thread_count
 from .progress import counted
-from .worker import WorkerDied
+from .worker import WorkerDied, signal_name
 
 _AT_HAND, _LATE = "at hand", "late"
 
@@ -169,38 +169,27 @@ def run(
             finally:
                 done()
 
-        return _run(counting, order, processes, failures, seconds, attempt)
-
-
-def _run(
-    function: Callable[[int], T],
-    order: Sequence[int],
-    processes: int | None,
-    failures: tuple[type[Exception], ...],
-    seconds: float,
-    attempt: Attempt | None,
-) -> dict[int, T | Died | Raised]:
-    count = min(processes if processes is not None else core_count(), len(order))
-    if not can_fork() or (count < 2 and not seconds):
-        return {number: _call_here(function, number, failures, attempt) for number in order}
-    _give_back_freed_memory()
-    results: dict[int, T | Died | Raised | _Bug] = {}
-    left = list(order)
-    while left:
-        done = len(results)
-        batch, left = left[:_PIPE_NUMBERS], left[_PIPE_NUMBERS:]
-        reading, writing = os.pipe()
-        os.write(writing, b"".join(map(_NUMBER.pack, batch)))
-        os.close(writing)
-        children = [_Child(function, reading, failures, seconds) for _ in range(min(count, len(batch)))]
-        for child in children:
-            child.collect(results)
-        os.close(reading)
-        # Processes that died leave unprocessed numbers: they are processed in a new round, without the fatal one.
-        left = [number for number in batch if number not in results] + left
-        if len(results) == done:
-            raise OSError("forked processes end at start")
-    return {number: _expected(results[number]) for number in order}
+        count = min(processes if processes is not None else core_count(), len(order))
+        if not can_fork() or (count < 2 and not seconds):
+            return {number: _call_here(counting, number, failures, attempt) for number in order}
+        _give_back_freed_memory()
+        results: dict[int, T | Died | Raised | _Bug] = {}
+        left = list(order)
+        while left:
+            finished = len(results)
+            batch, left = left[:_PIPE_NUMBERS], left[_PIPE_NUMBERS:]
+            reading, writing = os.pipe()
+            os.write(writing, b"".join(map(_NUMBER.pack, batch)))
+            os.close(writing)
+            children = [_Child(counting, reading, failures, seconds) for _ in range(min(count, len(batch)))]
+            for child in children:
+                child.collect(results)
+            os.close(reading)
+            # Processes that died leave unprocessed numbers: they are processed in a new round, without the fatal one.
+            left = [number for number in batch if number not in results] + left
+            if len(results) == finished:
+                raise OSError("forked processes end at start")
+        return {number: _expected(results[number]) for number in order}
 
 
 def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequence[float], work: str = "") -> list[T]:
@@ -295,9 +284,4 @@ def _payload(function: Callable[[int], T], number: int, failures: tuple[type[Exc
 def _reason(code: int, seconds: float) -> str:
     if code == -signal.SIGPROF:
         return f"processor time limit of {seconds:g} s exceeded"
-    if code >= 0:
-        return f"exit code {code}"
-    try:
-        return signal.Signals(-code).name
-    except ValueError:
-        return f"signal {-code}"
+    return f"exit code {code}" if code >= 0 else signal_name(-code)

@@ -21,7 +21,6 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from types import TracebackType
 from typing import IO, Any, BinaryIO, NamedTuple, NoReturn, Protocol
 
 from .memory import DEFAULT_TIMEOUT, is_out_of_memory
@@ -183,9 +182,7 @@ class Worker:
     def __enter__(self) -> "Worker":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def _feed(self, payload: bytes) -> None:
@@ -282,11 +279,16 @@ def _death(status: int, last_lines: tuple[str, ...]) -> str:
     if any("MemoryError" in line or "bad_alloc" in line for line in last_lines):
         return "out of memory"
     if status < 0:
-        try:
-            return f"killed by {signal.Signals(-status).name}"
-        except ValueError:
-            return f"killed by signal {-status}"
+        return f"killed by {signal_name(-status)}"
     return f"ended with exit code {status} and no result"
+
+
+def signal_name(number: int) -> str:
+    """``SIGSEGV``, or ``signal 64`` for one without a name."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def _serve() -> NoReturn:

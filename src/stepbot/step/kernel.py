@@ -93,12 +93,6 @@ def transfer(reader: Any) -> Any:
     return document
 
 
-def matrix_of(transformation: Any) -> Array:
-    """A transformation of the kernel as a homogeneous matrix (4, 4) [m]."""
-    X: Array = matrices_of([transformation])[0]
-    return X
-
-
 def matrices_of(transformations: Sequence[Any]) -> Array:
     """Transformations of the kernel as homogeneous matrices (n, 4, 4) [m]."""
     X = np.zeros((len(transformations), 4, 4))

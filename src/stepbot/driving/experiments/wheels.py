@@ -228,5 +228,4 @@ def turn(stage: Stage) -> Result:
 
 def _middle(stage: Stage, simulation: Simulation) -> Array:
     """Point (3,) [m] in the middle of the driven wheels."""
-    middle: Array = np.array(_places(stage, simulation)).mean(axis=0)
-    return middle
+    return np.asarray(np.array(_places(stage, simulation)).mean(axis=0))

@@ -52,7 +52,8 @@ def bounded_hull(hull: TriMesh, max_vertices: int | None, max_faces: int | None 
 def _outline(hull: TriMesh, center: Array, max_vertices: float, max_faces: float) -> Array:
     """Vertices (n, 3) [m] of the polyhedron, relative to ``center``."""
     points = hull.vertices - center
-    normals, offsets = _planes(points, hull)
+    normals, _, a = face_normals(points, hull.faces)
+    offsets = np.einsum("ij,ij->i", normals, a)
     chosen = np.vstack([np.eye(3), -np.eye(3)])
     distances = matrix_product(points, chosen.T).max(axis=0)
     best = _corners(chosen, distances)
@@ -70,12 +71,6 @@ def _outline(hull: TriMesh, center: Array, max_vertices: float, max_faces: float
         if len(refined) > max_vertices:
             return best
         best = refined
-
-
-def _planes(points: Array, hull: TriMesh) -> tuple[Array, Array]:
-    """Unit normals (m, 3) of faces and their distances (m,) [m] from the origin."""
-    normals, _, a = face_normals(points, hull.faces)
-    return normals, np.einsum("ij,ij->i", normals, a)
 
 
 def _corners(normals: Array, distances: Array) -> Array:

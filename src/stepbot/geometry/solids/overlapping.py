@@ -93,7 +93,7 @@ class Overlaps(Struct, frozen=True):
 
 def overlaps_of(search: Search) -> dict[str, Overlaps]:
     """The overlaps of every link, the heaviest pair first."""
-    return _by_link(search, _intersect(search))
+    return _by_link(search, zip(search.groups, _intersect(search), strict=True))
 
 
 class _Common(Struct, frozen=True, eq=False):
@@ -104,63 +104,57 @@ class _Common(Struct, frozen=True, eq=False):
     mesh: TriMesh
 
 
-class _Found(Struct, eq=False):
-    """The result of a group."""
-
-    group: Group
-    common: _Common | None = None
-    """None if it is empty, or too small to count."""
-    unchecked: str = ""
+_Share = tuple[float, _Common, Pose]
+"""Mass [kg] of the intersection of a solid with a previous one, the intersection, and its pose X_WA."""
 
 
-def _intersect(search: Search) -> list[_Found]:
-    """The intersections of the bodies of each group, up to the limit of faces."""
+def _intersect(search: Search) -> list[_Common | str | None]:
+    """For each group the intersection of its bodies, None if it does not count, or why it was not checked."""
     use_one_thread()
     solids = {body: Solid(mesh) for body, mesh in search.meshes.items()}
-    found = [_Found(group) for group in search.groups]
-    wanted, weights, spent = list[_Found](), list[float](), 0
-    for one in sorted(found, key=lambda one: -exact_sum(pair.most for pair in one.group.candidates)):
-        group = one.group
-        a, b = (solids[body] for body in group.bodies)
-        if not a.may_meet(b, group.X_AB):
+    groups = search.groups
+    found: list[_Common | str | None] = [None] * len(groups)
+    wanted, weights, spent = list[int](), list[float](), 0
+    for number in sorted(range(len(groups)), key=lambda i: -exact_sum(pair.most for pair in groups[i].candidates)):
+        a, b = (solids[body] for body in groups[number].bodies)
+        if not a.may_meet(b, groups[number].X_AB):
             continue
         work = a.face_count + b.face_count
         if spent + work > search.max_faces:
-            one.unchecked = f"all pairs together have more than {search.max_faces:,} faces"
+            found[number] = f"all pairs together have more than {search.max_faces:,} faces"
         elif not (a.is_sound and b.is_sound):
-            one.unchecked = "a mesh is not watertight"
+            found[number] = "a mesh is not watertight"
         else:
             spent += work
-            wanted.append(one)
+            wanted.append(number)
             weights.append(work)
 
-    def common(one: _Found) -> _Common | None:
-        # The intersection of a group's bodies; None if it does not count.
-        a, b = (solids[body] for body in one.group.bodies)
-        common = a.intersection(b, one.group.X_AB)
-        if common.volume > SMALLEST * one.group.smaller and common.volume > common.noise:
+    def common(number: int) -> _Common | None:
+        a, b = (solids[body] for body in groups[number].bodies)
+        common = a.intersection(b, groups[number].X_AB)
+        if common.volume > SMALLEST * groups[number].smaller and common.volume > common.noise:
             return _Common(common.volume, common.mesh)
         return None
 
     results = list(map(common, wanted)) if spent < _MANY else results_of(common, wanted, weights, "overlaps")
-    for one, result in zip(wanted, results, strict=True):
-        one.common = result
+    for number, result in zip(wanted, results, strict=True):
+        found[number] = result
     return found
 
 
-def _by_link(search: Search, found: Iterable[_Found]) -> dict[str, Overlaps]:
+def _by_link(search: Search, found: Iterable[tuple[Group, _Common | str | None]]) -> dict[str, Overlaps]:
     checked: dict[str, list[Pair]] = {link: [] for link in search.links}
     unchecked: dict[str, list[Pair]] = {link: [] for link in checked}
     twice = dict.fromkeys(checked, 0.0)
     shares: dict[tuple[str, int], list[_Share]] = {}
-    for one in found:
-        for c in one.group.candidates:
-            if one.unchecked:
-                unchecked[c.link].append(Pair(c.first, c.second, c.most, unchecked=one.unchecked))
-            elif one.common is not None:
-                mass = c.density * one.common.volume
-                checked[c.link].append(Pair(c.first, c.second, mass, one.common.volume, one.group.is_repeated))
-                share = _Share(mass, one.common, search.poses[c.first])
+    for group, common in found:
+        for c in group.candidates:
+            if isinstance(common, str):
+                unchecked[c.link].append(Pair(c.first, c.second, c.most, unchecked=common))
+            elif common is not None:
+                mass = c.density * common.volume
+                checked[c.link].append(Pair(c.first, c.second, mass, common.volume, group.is_repeated))
+                share = mass, common, search.poses[c.first]
                 shares.setdefault((c.link, max(c.first, c.second)), []).append(share)
     unions: dict[tuple[tuple[int, bytes], ...], float] = {}
     for (link, _), of_one in shares.items():
@@ -175,25 +169,17 @@ def _heaviest_first(pairs: Iterable[Pair]) -> tuple[Pair, ...]:
     return tuple(sorted(pairs, key=lambda pair: (-pair.mass, pair.first, pair.second)))
 
 
-class _Share(Struct, frozen=True, eq=False):
-    """The intersections of a solid with the previous ones, placed by X_WA."""
-
-    mass: float
-    common: _Common
-    X_WA: Pose
-
-
 def _shared_once(shares: Sequence[_Share], unions: dict[tuple[tuple[int, bytes], ...], float]) -> float:
     """Mass [kg] that a solid shares with the previous ones; regions shared with several count once.
 
     ``unions`` are the volumes [m^3] known so far: instances of an assembly share the same regions.
     """
-    mass = exact_sum(share.mass for share in shares)
+    mass = exact_sum(mass for mass, _, _ in shares)
     if len(shares) == 1:
         return mass
-    X_FW = shares[0].X_WA.inverse()
-    placed = [(share.common, X_FW @ share.X_WA) for share in shares]
+    X_FW = shares[0][2].inverse()
+    placed = [(common, X_FW @ X_WA) for _, common, X_WA in shares]
     key = tuple((id(common), (X_FA.matrix.round(_SAME_PLACE) + 0.0).tobytes()) for common, X_FA in placed)
     if key not in unions:
         unions[key] = union_volume([(common.mesh, X_FA) for common, X_FA in placed])
-    return mass * unions[key] / exact_sum(share.common.volume for share in shares)
+    return mass * unions[key] / exact_sum(common.volume for common, _ in placed)

@@ -97,18 +97,16 @@ class _Statements:
     @cached_property
     def data(self) -> bytes:
         """The bytes of the file, without what entities of other files and signatures are stated in."""
-        return self._without_later_sections[0]
+        return _AROUND_DATA.sub(lambda around: _LATER_SECTION.sub(_blanks, around[0]), self._content)
 
     @property
     def has_later_sections(self) -> bool:
         """Whether there are sections that the kernel does not know."""
-        return self._without_later_sections[1]
+        return self.data != self._content
 
     @cached_property
-    def _without_later_sections(self) -> tuple[bytes, bool]:
-        content = read_regular(self._path)
-        blanked = _AROUND_DATA.sub(lambda around: _LATER_SECTION.sub(_blanks, around[0]), content)
-        return blanked, blanked != content
+    def _content(self) -> bytes:
+        return read_regular(self._path)
 
     @cached_property
     def all(self) -> list[Statement]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from stepbot.geometry.spatial import Array, Pose, Vector3, perpendicular_frame, vector3
 from stepbot.robot.joint_table import Basis
 
-from ..assembly import Assembly
+from ..assembly import Assembly, Component
 from .axis_contacts import Spans, meeting
 from .coaxial import Indices, Rays, close_pairs, coaxial, gaps, signed
 
@@ -155,7 +155,7 @@ class Selector(Struct, frozen=True):
 def axis_faces(assembly: Assembly, components: Iterable[int]) -> AxisFaces:
     """The faces of these components, without those below them, in the frame of the assembly."""
     parts = [
-        _moved(_body_faces(assembly, component.body), component.X_WC, index)
+        _faces_of(assembly, component)
         for index in components
         if (component := assembly.components[index]).body >= 0 and assembly.bodies[component.body].axis_faces
     ]
@@ -295,29 +295,19 @@ def is_parallel(a: AxisLine, b: AxisLine) -> bool:
     return float(np.linalg.norm(np.cross(a.direction, b.direction))) <= ANGLE_TOLERANCE
 
 
-def _body_faces(assembly: Assembly, body: int) -> AxisFaces:
-    """The faces of a body in its own frame."""
-    faces = assembly.bodies[body].axis_faces
+def _faces_of(assembly: Assembly, component: Component) -> AxisFaces:
+    faces, X_WC = assembly.bodies[component.body].axis_faces, component.X_WC
     points = np.array([face.point for face in faces])
     directions = np.array([face.direction for face in faces])
     low, high = np.array([face.low for face in faces]), np.array([face.high for face in faces])
     return AxisFaces(
-        points + directions * (0.5 * (low + high))[:, None],
-        directions,
+        X_WC.apply(points + directions * (0.5 * (low + high))[:, None]),
+        X_WC.turn(directions),
         np.array([face.radius for face in faces]),
         np.abs(high - low),
         np.array([face.cone for face in faces]),
         np.array([face.bore for face in faces]),
-        np.zeros(len(faces), dtype=np.intp),
-    )
-
-
-def _moved(faces: AxisFaces, X_WC: Pose, component: int) -> AxisFaces:
-    return replace(
-        faces,
-        centers=X_WC.apply(faces.centers),
-        directions=X_WC.turn(faces.directions),
-        components=np.full(len(faces), component, dtype=np.intp),
+        np.full(len(faces), component.index, dtype=np.intp),
     )
 
 

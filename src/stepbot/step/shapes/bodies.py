@@ -26,11 +26,11 @@ from ..features.face_reading import read_faces
 from ..kernel import MILLIMETRES_PER_METRE, OUT_OF_MEMORY, faces_of
 from ..structure.source import BodySource
 from .error_estimate import Estimate, by_mesh, estimated
-from .exact import Refinement, integrate, refine, surface_area, volume_properties
+from .exact import integrate, refine, surface_area, volume_properties
 from .healing import Healed, copied, healed, sewn, share_within, with_islands
 from .splitting import split
 from .stitching import Stitched, merged_by_position
-from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated
+from .tessellation import WATSON, Fineness, Tessellation, diagonal, fineness, fitted, tessellated_once
 from .triangles import faceted_faces
 
 _ROUNDING = 1e-12
@@ -136,7 +136,7 @@ def _mesh_only(source: BodySource, shape: object, request: BodyRequest) -> ReadB
     body = healed(shape, source.precision, sorted(source.face_colors))
     is_solid = _holds(source.shape, TopAbs_ShapeEnum.TopAbs_SOLID)
     work = _Work(source, BodyKind.SOLID if is_solid else BodyKind.SURFACE, body)
-    result = plainly_tessellated(body.shape, fineness(request.tolerances, diagonal(body.shape)))
+    result = tessellated_once(body.shape, fineness(request.tolerances, diagonal(body.shape)), WATSON)
     mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
     defect = work.say("SB233", f"measuring it and finding its axes failed ({request.only_mesh}); it has a mesh alone")
     colored = _colored(source.face_colors, body.origin, result.mesh)
@@ -150,13 +150,15 @@ def _refined(
     if not (request.refine_mass_to > 0.0 and work.kind == BodyKind.SOLID and (work.exact or watertight)):
         return None
 
-    def compute() -> Refinement:
-        return refine(work.healed.shape, mesh, result.fineness, work.exact, request.refine_mass_to)
-
-    refinement = work.optional("refining its measuring mesh", compute, Refinement())
-    if refinement.shortfall:
-        work.say("SB511", refinement.shortfall)
-    return refinement.properties
+    none: tuple[VolumeProperties | None, str] = None, ""
+    properties, shortfall = work.optional(
+        "refining its measuring mesh",
+        lambda: refine(work.healed.shape, mesh, result.fineness, work.exact, request.refine_mass_to),
+        none,
+    )
+    if shortfall:
+        work.say("SB511", shortfall)
+    return properties
 
 
 def _healed(source: BodySource, shape: object) -> _Work:

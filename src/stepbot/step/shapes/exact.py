@@ -11,7 +11,6 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from msgspec import Struct
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
@@ -74,22 +73,19 @@ _UNCLOSED = 4
 """Number of meshes with holes after which refinement is given up; most bodies close again a little finer."""
 
 
-class Refinement(Struct, frozen=True):
-    """The result of refinement."""
-
-    properties: VolumeProperties | None = None
-    """By trimesh from the best mesh; None if none was watertight."""
-    shortfall: str = ""
-    """Why the agreement was not reached, for messages."""
-
-
-def refine(shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties | None, wanted: float) -> Refinement:
+def refine(
+    shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties | None, wanted: float
+) -> tuple[VolumeProperties | None, str]:
     """Refine the mesh of a solid until its mass properties agree.
 
     Args:
         shape: A healed solid [mm].
         exact: Its mass properties; None to accept the first mesh without a comparison.
         wanted: Largest relative deviation.
+
+    Returns:
+        Mass properties by trimesh from the best mesh, None if none was watertight; and why the agreement was not
+        reached, for messages.
     """
     fine, best, off = start, None, math.inf
     unclosed = 0
@@ -98,22 +94,20 @@ def refine(shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties |
         if found is None:
             unclosed += 1
             if unclosed > _UNCLOSED:
-                return Refinement(best, "its measuring mesh is not watertight")
+                return best, "its measuring mesh is not watertight"
             step = _COARSEST_STEP
         elif exact is None:
-            return Refinement(found)
+            return found, ""
         else:
             now = found.deviation_from(exact)[0]
             if now < off:
                 best, off = found, now
             if off <= wanted:
-                return Refinement(best)
+                return best, ""
             # A mesh's deviation grows with the square of its tolerances; so does, at most, the number of its faces.
             step = min(max(math.sqrt(_AIM * wanted / now), _FINEST_STEP), _COARSEST_STEP)
         if len(mesh.faces) > MAX_MEASURING_FACES * step**2:
-            return Refinement(
-                best, f"a measuring mesh of {len(mesh.faces)} faces still differs from the exact shape by {off:.1e}"
-            )
+            return best, f"a measuring mesh of {len(mesh.faces)} faces still differs from the exact shape by {off:.1e}"
         fine = fine.scaled(step)
         result = tessellated_once(shape, fine)
         mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)

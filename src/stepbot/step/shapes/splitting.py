@@ -76,8 +76,7 @@ def _angles(points: Array, start: Array, end: Array) -> Array:
         axis = (end - start) / np.linalg.norm(end - start)
     offsets = points - start
     radial = offsets - np.outer(offsets @ axis, axis)
-    angles: Array = np.arctan2(radial @ np.cross(axis, radial[0]), radial @ radial[0]) % (2.0 * np.pi)
-    return angles
+    return np.asarray(np.arctan2(radial @ np.cross(axis, radial[0]), radial @ radial[0]) % (2.0 * np.pi))
 
 
 def _divided(mesh: Stitched, cuts: list[tuple[int, int]]) -> Stitched:

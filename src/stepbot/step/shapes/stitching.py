@@ -97,22 +97,16 @@ class Stitched(Struct, frozen=True, eq=False):
 
 def stitched(faces: Sequence[FacetedFace], uses: Sequence[EdgeUse]) -> Stitched:
     """Join faces along the edges that they share."""
-    starts = _starts(faces)
-    total = sum(len(face.nodes) for face in faces)
-    left, right = _same_points(uses, starts)
-    roots = merged_labels(total, left, right)
-    triangles = _triangles(faces, starts)
-    places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
-    nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))])
-    return _assembled(nodes, roots[triangles], places, _open_edges(uses))
+    nodes, triangles, places, starts = _together(faces)
+    roots = merged_labels(len(nodes), *_same_points(uses, starts))
+    sides = Counter(use.edge for use in uses if not use.is_point)  # a seam has its face on both sides
+    return _assembled(nodes, roots[triangles], places, sum(count == 1 for count in sides.values()))
 
 
 def merged_by_position(faces: Sequence[FacetedFace]) -> Stitched:
     """Join faces at nodes with equal coordinates: for triangles without edges, as in tessellated STEP."""
-    starts = _starts(faces)
-    nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))]) + 0.0
-    triangles = _triangles(faces, starts)
-    places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
+    nodes, triangles, places, _ = _together(faces)
+    nodes = nodes + 0.0  # without minus zero
     first, kinds = distinct_rows(nodes)
     return _assembled(nodes, first[kinds][triangles], places, 0)
 
@@ -121,7 +115,8 @@ def _same_points(uses: Sequence[EdgeUse], starts: dict[int, int]) -> tuple[Indic
     """Pairs of nodes, numbered over all faces, that represent one point."""
     first_use: dict[int, Indices] = {}
     at_vertex: dict[int, int] = {}
-    left, right = [_none()], [_none()]
+    none = np.empty(0, dtype=np.int64)
+    left, right = [none], [none]
     vertex_pairs: list[tuple[int, int]] = []
     for use in uses:
         if not use.nodes:
@@ -154,26 +149,16 @@ def _assembled(nodes: Array, triangles: Indices, places: NDArray[np.int32], open
     return Stitched(nodes[used], faces, places[kept], open_edges)
 
 
-def _open_edges(uses: Sequence[EdgeUse]) -> int:
-    """Number of edges with only one side; a seam has its face on both sides, a point has none."""
-    sides = Counter(use.edge for use in uses if not use.is_point)
-    return sum(count == 1 for count in sides.values())
+def _together(faces: Sequence[FacetedFace]) -> tuple[Array, Indices, NDArray[np.int32], dict[int, int]]:
+    """The nodes (n, 3) of all faces, their triangles (m, 3) with nodes numbered over all of them, and whose they are.
 
-
-def _triangles(faces: Sequence[FacetedFace], starts: dict[int, int]) -> Indices:
-    """Triangles (m, 3) of all faces, with nodes numbered over all of them."""
-    parts = [face.triangles.astype(np.int64) + starts[face.place] for face in faces]
-    return np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
-
-
-def _starts(faces: Sequence[FacetedFace]) -> dict[int, int]:
-    """For each face, the number of nodes before its own."""
+    Also returns for each face the number of nodes before its own.
+    """
     starts, total = {}, 0
     for face in faces:
         starts[face.place] = total
         total += len(face.nodes)
-    return starts
-
-
-def _none() -> Indices:
-    return np.empty(0, dtype=np.int64)
+    nodes = np.concatenate([face.nodes for face in faces] or [np.empty((0, 3))])
+    parts = [face.triangles.astype(np.int64) + starts[face.place] for face in faces]
+    places = np.repeat([face.place for face in faces], [len(face.triangles) for face in faces]).astype(np.int32)
+    return nodes, np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)]), places, starts

@@ -40,7 +40,8 @@ MAX_RETRIED = 80_000
 
 _DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
 """Divide and conquer: as accurate as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
-_WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
+WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
+"""The kernel's default."""
 RETRY_SECONDS = 5.0
 """Processor time [s] after which no further way is tried; the last one may take longer."""
 _COARSEST_ANGLE = math.pi / 2
@@ -110,7 +111,7 @@ def fineness(tolerances: tuple[MeshTolerance, ...], size: float) -> Fineness:
 def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
     """Mesh a shape, in several ways until no face is missing and the mesh is as closed as the shape."""
     faces = faces_of(shape)
-    best = _meshed(shape, faces, wanted, _DELABELLA)
+    best = tessellated_once(shape, wanted)
     if best.is_complete:
         return best
     start, last, untried = time.process_time(), best, ""
@@ -124,7 +125,7 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
         if factor < 1.0 and not all(_is_meshed_alone(faces[i], fine, algorithm) for i in best.missing):
             untried = "no finer mesh has all faces"
             continue
-        last = _meshed(shape, faces, fine, algorithm)
+        last = tessellated_once(shape, fine, algorithm)
         if last.is_complete:
             return last
         if len(last.missing) < len(best.missing):
@@ -132,22 +133,21 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
     return replace(best, untried=untried)
 
 
-def tessellated_once(shape: Any, wanted: Fineness) -> Tessellation:
-    """Mesh a shape by the default method only, complete or not."""
-    return _meshed(shape, faces_of(shape), wanted, _DELABELLA)
-
-
-def plainly_tessellated(shape: Any, wanted: Fineness) -> Tessellation:
-    """Mesh a shape once by the kernel's own default, on which the method used here may have failed."""
-    return _meshed(shape, faces_of(shape), wanted, _WATSON)
+def tessellated_once(shape: Any, wanted: Fineness, algorithm: IMeshTools_MeshAlgoType = _DELABELLA) -> Tessellation:
+    """Mesh a shape by one method only, complete or not."""
+    faces = faces_of(shape)
+    BRepTools.Clean_s(shape)
+    _mesh(shape, wanted, algorithm)
+    found, missing = faceted_faces(faces)
+    return Tessellation(split(stitched(found, edge_uses(faces))), wanted, missing)
 
 
 def _ways(faces: list[Any]) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:
     """Algorithms and tolerance factors to try on a body with an incomplete mesh; straightens it first."""
     if straighten(faces):
-        yield from ((_DELABELLA, 1.0), (_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+        yield from ((_DELABELLA, 1.0), (WATSON, 1.0), (_DELABELLA, 0.5), (WATSON, 0.25))
     else:
-        yield from ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+        yield from ((WATSON, 1.0), (_DELABELLA, 0.5), (WATSON, 0.25))
 
 
 def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:
@@ -168,13 +168,6 @@ def _is_meshed_alone(face: Any, wanted: Fineness, algorithm: IMeshTools_MeshAlgo
     alone = BRepBuilderAPI_Copy(face, True, False).Shape()
     _mesh(alone, wanted, algorithm)
     return not faceted_faces(faces_of(alone))[1]
-
-
-def _meshed(shape: Any, faces: list[Any], wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> Tessellation:
-    BRepTools.Clean_s(shape)
-    _mesh(shape, wanted, algorithm)
-    found, missing = faceted_faces(faces)
-    return Tessellation(split(stitched(found, edge_uses(faces))), wanted, missing)
 
 
 def _mesh(shape: Any, wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> None:

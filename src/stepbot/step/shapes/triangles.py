@@ -115,5 +115,4 @@ def _triangulation(data: bytes, offset: int) -> tuple[Array, NDArray[np.int32], 
 
 def _moved(nodes: Array, transformation: Any) -> Array:
     matrix = np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
-    moved: Array = rotated(matrix[:, :3], nodes) + matrix[:, 3]
-    return moved
+    return np.asarray(rotated(matrix[:, :3], nodes) + matrix[:, 3])

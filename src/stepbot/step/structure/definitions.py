@@ -25,7 +25,7 @@ from OCP.XCAFDoc import XCAFDoc_ColorTool, XCAFDoc_ColorType, XCAFDoc_DocumentTo
 from stepbot.robot.model import Rgba
 
 from ..exchange.length_unit import DEFAULT_PRECISION
-from ..kernel import evaluated, mapped, matrix_of
+from ..kernel import evaluated, mapped, matrices_of
 from .products import Products
 from .source import NONE, BodySource, Child, Definition
 
@@ -154,7 +154,7 @@ class Definitions:
         found = self._products.occurrences_of(definition.product, products, [_name(label) for label in components])
         children: list[tuple[int, Child]] = []
         for index, occurrence, component in zip(below, found, components, strict=True):
-            matrix = matrix_of(XCAFDoc_ShapeTool.GetLocation_s(component).Transformation())
+            matrix = matrices_of([XCAFDoc_ShapeTool.GetLocation_s(component).Transformation()])[0]
             color = self._colors.of_label(component)
             children.append((occurrence, Child(index, self._products.name_of(occurrence), matrix, color, occurrence)))
             for other, place in self._products.repeated(occurrence, matrix):
