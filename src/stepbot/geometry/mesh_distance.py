@@ -1,5 +1,6 @@
 """The largest distance of points of a mesh from another mesh that was made from it, or the other way round."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,32 +12,26 @@ PROBE = 1e-9
 """Radius [m] of the sphere in place of a point, by which distances are too small."""
 
 
-class SurfaceDistances:
-    """A surface to measure from."""
+Distances = Callable[[Array], Array]
+"""Distances (n,) [m] of points (n, 3) from a surface."""
 
-    def __init__(self, points: Array, faces: Any) -> None:
-        """Build its tree.
 
-        Args:
-            points: Vertices (n, 3) [m].
-            faces: Triangles (m, 3).
-        """
-        import fcl
+def distances_from(vertices: Array, faces: Any) -> Distances:
+    """The distances from a surface of vertices (n, 3) [m] and triangles (m, 3)."""
+    import fcl
 
-        model = fcl.BVHModel()
-        model.beginModel(len(points), len(faces))
-        model.addSubModel(points, faces)
-        model.endModel()
-        self._surface = fcl.CollisionObject(model, fcl.Transform())
-        self._point = fcl.Sphere(PROBE)
+    model = fcl.BVHModel()
+    model.beginModel(len(vertices), len(faces))
+    model.addSubModel(vertices, faces)
+    model.endModel()
+    surface, sphere = fcl.CollisionObject(model, fcl.Transform()), fcl.Sphere(PROBE)
 
-    def of(self, points: Array) -> Array:
-        """Distances (n,) [m] of points (n, 3)."""
-        import fcl
-
-        probes = (fcl.CollisionObject(self._point, fcl.Transform(point)) for point in points)
-        found = [fcl.distance(probe, self._surface, fcl.DistanceRequest(), fcl.DistanceResult()) for probe in probes]
+    def distances(points: Array) -> Array:
+        probes = (fcl.CollisionObject(sphere, fcl.Transform(point)) for point in points)
+        found = [fcl.distance(probe, surface, fcl.DistanceRequest(), fcl.DistanceResult()) for probe in probes]
         return np.asarray(np.maximum(found, 0.0))
+
+    return distances
 
 
 Integers = NDArray[np.int64]
@@ -62,13 +57,13 @@ def largest_distance(points: Array, places: Integers, vertices: Array, surface: 
     if not len(points) or not len(surface):
         return 0.0
     bounds = _bounds(points, places, vertices, surface, at)
-    distances, farthest = SurfaceDistances(vertices, surface), 0.0
+    distances, farthest = distances_from(vertices, surface), 0.0
     for number, index in enumerate(np.argsort(-bounds, kind="stable").tolist()):
         if bounds[index] <= farthest:
             break
         if number == _MOST_QUERIES:
             return float(bounds[index])
-        farthest = max(farthest, min(float(bounds[index]), float(distances.of(points[index][None])[0])))
+        farthest = max(farthest, min(float(bounds[index]), float(distances(points[index][None])[0])))
     return farthest
 
 

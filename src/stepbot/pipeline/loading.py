@@ -90,7 +90,8 @@ class Loading:
         self._cached = _GeometryCache(options.cache, step, what)
         self._known = self._cached.get()
         self._reading: Reading | None = None
-        self._mesh_worker: Worker | None = None
+        self.mesh_worker: Worker | None = None
+        """The process that measures the meshes, for further mesh computations; None if the geometry was cached."""
         if self._known is not None:
             self._found.extend(self._known.diagnostics)
         else:
@@ -99,7 +100,7 @@ class Loading:
                 self._reading.finish(found)
                 found.raise_if_errors()
             # It imports while the kernel works; this process does not need trimesh.
-            self._mesh_worker = Worker(MESH_WORKER, memory_limit=options.memory_limit)
+            self.mesh_worker = Worker(MESH_WORKER, memory_limit=options.memory_limit)
 
     def assembly(self, found: Diagnostics) -> Assembly:
         """Wait for the assembly and start to measure its bodies; diagnostics go to ``found``.
@@ -114,7 +115,14 @@ class Loading:
 
     def incomplete_assembly(self, found: Diagnostics) -> Assembly | None:
         """The same, and after an error what could be read: an assembly without the parts of missing files, or None."""
-        assembly = self._read() if self._known is None else self._known.assembly
+        if self._known is not None:
+            assembly: Assembly | None = self._known.assembly
+        else:
+            assert self._reading is not None  # otherwise the geometry was cached
+            assert self.mesh_worker is not None
+            assembly = self._assembly = self._reading.finish(self._found, timeout=self._timeout)
+            if assembly is not None:
+                self.mesh_worker.submit("measures", tuple(body.mesh for body in assembly.bodies), more=True)
         found.extend(self._found)
         return assembly
 
@@ -123,11 +131,6 @@ class Loading:
         if self._known is None:
             self._known = self._measured(found)
         return self._known.measures
-
-    @property
-    def mesh_worker(self) -> Worker | None:
-        """The process that measured the meshes, for further mesh computations; None if the geometry was cached."""
-        return self._mesh_worker
 
     @property
     def content(self) -> str:
@@ -146,23 +149,15 @@ class Loading:
 
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
-        for running in (self._reading, self._mesh_worker):
+        for running in (self._reading, self.mesh_worker):
             if running is not None:
                 running.close()
 
-    def _read(self) -> Assembly | None:
-        assert self._reading is not None  # otherwise the geometry was cached
-        assert self._mesh_worker is not None
-        self._assembly = self._reading.finish(self._found, timeout=self._timeout)
-        if self._assembly is not None:
-            self._mesh_worker.submit("measures", tuple(body.mesh for body in self._assembly.bodies), more=True)
-        return self._assembly
-
     def _measured(self, found: Diagnostics) -> Geometry:
-        assert self._mesh_worker is not None  # otherwise the geometry was cached
+        assert self.mesh_worker is not None  # otherwise the geometry was cached
         assert self._assembly is not None  # it has been awaited
         try:
-            geometry = Geometry(self._assembly, self._mesh_worker.result(self._timeout), tuple(self._found))
+            geometry = Geometry(self._assembly, self.mesh_worker.result(self._timeout), tuple(self._found))
         except WorkerDied as death:
             report_death(death, "measures the meshes", Span(str(self._step)), found)
             return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._found))

@@ -94,12 +94,6 @@ class Raised(Struct, frozen=True):
     text: str
 
 
-class _Bug(Struct, frozen=True):
-    """The function raised an unexpected error."""
-
-    trace: str
-
-
 class _Child(Generic[T]):
     """A forked process that takes numbers from the shared pipe."""
 
@@ -124,7 +118,7 @@ class _Child(Generic[T]):
             finally:  # a forked process must never return into its parent's code
                 os._exit(status)
 
-    def collect(self, results: dict[int, T | Died | Raised | _Bug]) -> None:
+    def collect(self, results: dict[int, T | Died | Raised | RuntimeError]) -> None:
         """Wait for the process and collect its results."""
         _, status = os.waitpid(self.pid, 0)
         code = os.waitstatus_to_exitcode(status)
@@ -173,7 +167,7 @@ def run(
         if not can_fork() or (count < 2 and not seconds):
             return {number: _call_here(counting, number, failures, attempt) for number in order}
         _give_back_freed_memory()
-        results: dict[int, T | Died | Raised | _Bug] = {}
+        results: dict[int, T | Died | Raised | RuntimeError] = {}
         left = list(order)
         while left:
             finished = len(results)
@@ -228,9 +222,9 @@ def _give_back_freed_memory() -> None:
         trim(0)
 
 
-def _expected(result: T | Died | Raised | _Bug) -> T | Died | Raised:
-    if isinstance(result, _Bug):
-        raise RuntimeError(f"in a forked process:\n{result.trace}")
+def _expected(result: T | Died | Raised | RuntimeError) -> T | Died | Raised:
+    if isinstance(result, RuntimeError):
+        raise result
     return result
 
 
@@ -278,7 +272,7 @@ def _payload(function: Callable[[int], T], number: int, failures: tuple[type[Exc
     except Exception:  # noqa: BLE001 - raised again by the parent, with this traceback
         import traceback
 
-        return pickle.dumps(_Bug(traceback.format_exc()), protocol=5)
+        return pickle.dumps(RuntimeError(f"in a forked process:\n{traceback.format_exc()}"), protocol=5)
 
 
 def _reason(code: int, seconds: float) -> str:

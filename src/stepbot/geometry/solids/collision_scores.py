@@ -20,7 +20,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..mesh import TriMesh, triangle_areas
-from ..mesh_distance import SurfaceDistances, squared_distances
+from ..mesh_distance import Distances, distances_from, squared_distances
 from ..spatial import Array
 from .manifolds import faces_not_of, mesh_arrays, of_same_volume
 from .unions import SIMPLIFIED, PlacedShape, PlacedSolid, Union, union
@@ -94,18 +94,18 @@ def _overshoot(solid: Union, shapes: Any) -> float:
     corners, sides, touching = faces_not_of(shapes - solid.simplified, solid.simplified)
     if not len(sides):
         return 0.0
-    surface = SurfaceDistances(*mesh_arrays(solid.simplified))
+    distances = distances_from(*mesh_arrays(solid.simplified))
     accuracy = (_ACCURACY - 2.0 * SIMPLIFIED) * solid.diagonal
-    return _distance(solid, *_farthest(surface, corners, sides, touching, accuracy))
+    return _distance(solid, *_farthest(distances, corners, sides, touching, accuracy))
 
 
 def _farthest(
-    surface: SurfaceDistances, corners: Array, sides: Any, touching: NDArray[np.bool_], accuracy: float
+    distances: Distances, corners: Array, sides: Any, touching: NDArray[np.bool_], accuracy: float
 ) -> tuple[Array, float]:
     """The point (3,) of triangles that is farthest from a solid, up to ``accuracy`` [m], and its distance [m].
 
     Args:
-        surface: Of the solid.
+        distances: From the solid.
         corners: Points (n, 3) [m].
         sides: Triangles (m, 3), indices of corners.
         touching: Which corners (n,) are on the solid.
@@ -113,7 +113,7 @@ def _farthest(
     """
     away = np.where(touching, 0.0, _UNKNOWN)
     measured = np.flatnonzero(~touching)[:_MOST_POINTS]
-    away[measured] = surface.of(corners[measured])
+    away[measured] = distances(corners[measured])
     best = int(np.where(away < _UNKNOWN, away, -1.0).argmax())
     farthest, most = corners[best], float(away[best])
     triangles, away, count = corners[sides], away[sides], 0
@@ -125,7 +125,7 @@ def _farthest(
         turned, of_turned = _turned(triangles[first], away[first])
         halves, of_halves = np.concatenate([turned, turned]), np.concatenate([of_turned, of_turned])
         middles = 0.5 * (turned[:, 0] + turned[:, 1])
-        found = surface.of(middles)
+        found = distances(middles)
         count += len(middles)
         if found.max() > most:
             farthest, most = middles[int(found.argmax())], float(found.max())

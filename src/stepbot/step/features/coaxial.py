@@ -46,30 +46,19 @@ def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
     """
     if not len(rays.centers):
         return []
-    kinds = _direction_kinds(rays.directions)
-    basis = np.array([perpendicular_frame(d)[:, :2] for d in kinds.directions])[kinds.of]
+    directions, kinds = _direction_kinds(rays.directions)
+    basis = np.array([perpendicular_frame(d)[:, :2] for d in directions])[kinds]
     feet = np.rint(np.einsum("ni,nij->nj", rays.centers, basis) / _SAME_FOOT).astype(np.int64)
-    keys = np.column_stack([kinds.of, feet])
-    first, rod_of = distinct_rows(keys)
+    first, rod_of = distinct_rows(np.column_stack([kinds, feet]))
     rods = rays.rows(first)
-    group_of = merged_labels(len(first), *close_pairs(rods, rods, distance, angle))
-    group_of_face = group_of[rod_of]
-    order = np.argsort(group_of_face, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(group_of_face[order])) + 1)
-    return sorted(groups, key=lambda rows: int(rows[0]))
+    groups = merged_labels(len(first), *close_pairs(rods, rods, distance, angle))
+    return sorted(_members(groups[rod_of]), key=lambda rows: int(rows[0]))
 
 
-class _Kinds(Struct, frozen=True, eq=False):
-    """Directions that are equal except for rounding."""
-
-    directions: Array
-    """Shape (k, 3), one per kind."""
-    of: Indices
-    """Shape (n,): the kind of each row."""
-
-    def members(self) -> list[Indices]:
-        order = np.argsort(self.of, kind="stable")
-        return np.split(order, np.flatnonzero(np.diff(self.of[order])) + 1)
+def _members(kinds: Indices) -> list[Indices]:
+    """The rows of each kind, by the kind of each row (n,)."""
+    order = np.argsort(kinds, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(kinds[order])) + 1)
 
 
 def signed(directions: Array) -> Array:
@@ -83,20 +72,20 @@ def signed(directions: Array) -> Array:
     return np.where(leading < 0.0, -directions, directions) + 0.0
 
 
-def _direction_kinds(directions: Array) -> _Kinds:
-    cells = np.rint(signed(directions) / _SAME_DIRECTION).astype(np.int64)
-    first, of = distinct_rows(cells)
-    return _Kinds(directions[first], of)
+def _direction_kinds(directions: Array) -> tuple[Array, Indices]:
+    """Directions (k, 3) that are not equal except for rounding, and which of them each row (n,) has."""
+    first, kinds = distinct_rows(np.rint(signed(directions) / _SAME_DIRECTION).astype(np.int64))
+    return directions[first], kinds
 
 
 def close_pairs(a: Rays, b: Rays, distance: float, angle: float) -> tuple[Indices, Indices]:
     """Pairs of lines, one of each set, within ``distance`` [m] of each other's centre and ``angle`` [rad]."""
-    kinds_a, kinds_b = _direction_kinds(a.directions), _direction_kinds(b.directions)
-    members_a, members_b = kinds_a.members(), kinds_b.members()
+    (directions_a, kinds_a), (directions_b, kinds_b) = (_direction_kinds(rays.directions) for rays in (a, b))
+    members_a, members_b = _members(kinds_a), _members(kinds_b)
     found = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
-    for i, j in _nearly_parallel(kinds_a.directions, kinds_b.directions, angle):
+    for i, j in _nearly_parallel(directions_a, directions_b, angle):
         rows_a, rows_b = members_a[i], members_b[j]
-        plane = perpendicular_frame(kinds_a.directions[i])[:, :2]
+        plane = perpendicular_frame(directions_a[i])[:, :2]
         p, q = _close_points(a.centers[rows_a] @ plane, b.centers[rows_b] @ plane, distance)
         rows_a, rows_b = rows_a[p], rows_b[q]
         apart = gaps(a.rows(rows_a), b.rows(rows_b))

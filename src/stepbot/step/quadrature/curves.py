@@ -6,6 +6,7 @@ kernel's binary format (BinTools): a tag, flags, degrees, counts, poles with the
 
 import io
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from OCP.gp import gp_Pnt, gp_Pnt2d, gp_Vec, gp_Vec2d
 
 from stepbot.geometry.spatial import Array
 
-from .splines import Basis, SplineCurve, SplineSurface
+from .splines import Basis, SplineSurface, curve_at, is_rational
 
 _CONICS = (GeomAbs_CurveType.GeomAbs_Circle, GeomAbs_CurveType.GeomAbs_Ellipse)
 _CURVE_TAG, _SURFACE_TAG = 7, 9
@@ -49,8 +50,8 @@ def curve_of(adaptor: Any, dimensions: int) -> Curve:
     if kind == GeomAbs_CurveType.GeomAbs_Line:
         return Curve(_sampler(adaptor, dimensions), np.empty(0), True, first, last)
     if kind == GeomAbs_CurveType.GeomAbs_BSplineCurve:
-        spline = spline_curve(adaptor.BSpline(), dimensions)
-        return Curve(spline.at, spline.breaks, False, first, last)
+        basis, poles = spline_curve(adaptor.BSpline(), dimensions)
+        return Curve(partial(curve_at, basis, poles), basis.breaks(is_rational(poles)), False, first, last)
     if kind in _CONICS:
         breaks = np.linspace(first, last, max(1, int(np.ceil((last - first) / _QUARTER - 1e-9))) + 1)
     else:
@@ -80,8 +81,8 @@ def spline_surface(surface: Any) -> SplineSurface:
     return SplineSurface(bases[0], bases[1], poles.reshape(rows, columns, 4))
 
 
-def spline_curve(curve: Any, dimensions: int) -> SplineCurve:
-    """A ``Geom_BSplineCurve`` or ``Geom2d_BSplineCurve`` as arrays."""
+def spline_curve(curve: Any, dimensions: int) -> tuple[Basis, Array]:
+    """The basis and the homogeneous poles (n, d + 1) of a ``Geom_BSplineCurve`` or ``Geom2d_BSplineCurve``."""
     if periodic := curve.IsPeriodic():
         curve = curve.Copy()
         curve.SetNotPeriodic()
@@ -89,7 +90,7 @@ def spline_curve(curve: Any, dimensions: int) -> SplineCurve:
     degree = int.from_bytes(data[at + 2 : at + 4], "little")
     pole_count, knot_count = np.frombuffer(data, "<i4", 2, at + 4).tolist()
     poles, at = _poles(data, at + 12, pole_count, dimensions, bool(data[at]))
-    return SplineCurve(_basis(degree, _knots(data, at, knot_count)[0], periodic), poles)
+    return _basis(degree, _knots(data, at, knot_count)[0], periodic), poles
 
 
 def _basis(degree: int, knots: Array, is_periodic: bool) -> Basis:

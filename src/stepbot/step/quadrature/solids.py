@@ -30,7 +30,7 @@ from ..kernel import MILLIMETRES_PER_METRE, faces_of
 from .contours import Contours, Rule, add_curved, add_planar, gauss
 from .curves import curve_of, spline_surface
 from .splines import Indices, SplineSurface
-from .surfaces import Extruded, Frames, Patch, Planes, Quadrics, Revolved, Sampled, Splined
+from .surfaces import Frames, Patch, extruded, planes, quadrics, revolved, sampled, splined
 
 _ROWS = 2000
 """Boundary points that are integrated to at once."""
@@ -116,7 +116,7 @@ class Boundary:
 
     def __init__(self, shape: Any, origin: Array) -> None:
         """From a solid whose faces look outwards, and a point near it, which coordinates are taken with respect to."""
-        planes, straight, round_ = _Group(), _Group(), _Group()
+        flat, straight, round_ = _Group(), _Group(), _Group()
         self._surfaces = []
         for face in faces_of(shape):
             orientation = face.Orientation()
@@ -128,9 +128,9 @@ class Boundary:
             kind = surface.GetType()
             if kind == GeomAbs_SurfaceType.GeomAbs_Plane:
                 position = surface.Plane().Position()
-                add_planar(planes.contours, len(planes.signs), forward, position)
-                planes.positions.append(position)
-                planes.signs.append(sign)
+                add_planar(flat.contours, len(flat.signs), forward, position)
+                flat.positions.append(position)
+                flat.signs.append(sign)
             elif (quadric := _quadric(surface, kind)) is not None:
                 position, numbers = quadric
                 group = round_ if numbers[2] else straight
@@ -142,14 +142,14 @@ class Boundary:
                 patch, contours = _patch(face, origin), Contours()
                 add_curved(contours, 0, forward, patch.breaks, split_lines=True)
                 self._surfaces.append(_Surface(patch, contours, np.array([sign]), turning=False))
-        if planes.signs:
-            flat = Planes(Frames.of(planes.positions, origin))
-            self._surfaces.append(_Surface(flat, planes.contours, np.array(planes.signs), turning=False))
+        if flat.signs:
+            patch = planes(Frames.of(flat.positions, origin))
+            self._surfaces.append(_Surface(patch, flat.contours, np.array(flat.signs), turning=False))
         for group, order in ((straight, 3), (round_, 24)):
             if group.signs:
                 frames = Frames.of(group.positions, origin)
-                quadrics = Quadrics(frames, np.array(group.shapes), order, is_exact=group is straight)
-                self._surfaces.append(_Surface(quadrics, group.contours, np.array(group.signs), turning=True))
+                patch = quadrics(frames, np.array(group.shapes), order, is_exact=group is straight)
+                self._surfaces.append(_Surface(patch, group.contours, np.array(group.signs), turning=True))
 
     def integrals(self, parts: int) -> Array:
         """Integrals of 1; x, y, z; and their products over what the faces enclose.
@@ -239,7 +239,7 @@ def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:
 
 
 def _quadric(surface: Any, kind: Any) -> tuple[Any, tuple[float, float, float, float]] | None:
-    """Position and shape (see :class:`.surfaces.Quadrics`) of a cylinder, cone, sphere or torus."""
+    """Position and shape (see :func:`.surfaces.quadrics`) of a cylinder, cone, sphere or torus."""
     if kind == GeomAbs_SurfaceType.GeomAbs_Cylinder:
         cylinder = surface.Cylinder()
         return cylinder.Position(), (cylinder.Radius(), 0.0, 0.0, 1.0)
@@ -266,19 +266,19 @@ def _patch(face: Any, origin: Array) -> Patch:
         return _splined(spline_surface(GeomConvert.SurfaceToBSplineSurface_s(surface.Bezier())), origin)
     if kind == GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion:
         way = surface.Direction()
-        return Extruded(curve_of(surface.BasisCurve(), 3), origin, np.array([way.X(), way.Y(), way.Z()]))
+        return extruded(curve_of(surface.BasisCurve(), 3), origin, np.array([way.X(), way.Y(), way.Z()]))
     if kind == GeomAbs_SurfaceType.GeomAbs_SurfaceOfRevolution:
         axis = surface.AxeOfRevolution()
         at, way = axis.Location(), axis.Direction()
         center, direction = (np.array([p.X(), p.Y(), p.Z()]) for p in (at, way))
-        return Revolved(curve_of(surface.BasisCurve(), 3), center, direction, origin)
-    return Sampled(surface, origin, (_intervals(surface, "U"), _intervals(surface, "V")))
+        return revolved(curve_of(surface.BasisCurve(), 3), center, direction, origin)
+    return sampled(surface, origin, (_intervals(surface, "U"), _intervals(surface, "V")))
 
 
-def _splined(surface: SplineSurface, origin: Array) -> Splined:
+def _splined(surface: SplineSurface, origin: Array) -> Patch:
     poles = surface.poles.copy()
     poles[..., :3] -= origin * poles[..., 3:]
-    return Splined(SplineSurface(surface.u, surface.v, poles))
+    return splined(SplineSurface(surface.u, surface.v, poles))
 
 
 def _intervals(surface: Any, direction: str) -> Array:

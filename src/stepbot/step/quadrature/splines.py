@@ -81,29 +81,17 @@ def is_rational(poles: Array) -> bool:
     return bool((poles[..., -1] != 1.0).any())
 
 
-def divided(value: Array, derivative: Array) -> tuple[Array, Array]:
-    """Points and derivatives (..., d) from homogeneous ones (..., d + 1), whose last column is the weight."""
+def curve_at(basis: Basis, poles: Array, t: Array) -> tuple[Array, Array]:
+    """Points and derivatives, each (m, d), of a B-spline curve at parameters (m,).
+
+    Args:
+        poles: Shape (n, d + 1), homogeneous: the last column is the weight.
+    """
+    first, values, derivatives = basis.at(t)
+    value, derivative = _sums(poles, first, values), _sums(poles, first, derivatives)
     weight = value[..., -1:]
     point = value[..., :-1] / weight
     return point, (derivative[..., :-1] - point * derivative[..., -1:]) / weight
-
-
-class SplineCurve(Struct, frozen=True, eq=False):
-    """A B-spline curve, in the plane or in space."""
-
-    basis: Basis
-    poles: Array
-    """Shape (n, d + 1), homogeneous."""
-
-    @property
-    def breaks(self) -> Array:
-        """See :meth:`Basis.breaks`."""
-        return self.basis.breaks(is_rational(self.poles))
-
-    def at(self, t: Array) -> tuple[Array, Array]:
-        """Points and derivatives, each (m, d), at parameters (m,)."""
-        first, values, derivatives = self.basis.at(t)
-        return divided(_sums(self.poles, first, values), _sums(self.poles, first, derivatives))
 
 
 class SplineSurface(Struct, frozen=True, eq=False):

@@ -6,7 +6,7 @@ Points of a section are arrays (3, n, m), n on each of m ways along v: numpy is 
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from msgspec import Struct
@@ -31,23 +31,17 @@ parameters on all; no break lies between those of one way.
 """
 
 
-class Patch(Protocol):
+class Patch(Struct, frozen=True, eq=False):
     """One surface, or many of one kind."""
 
-    @property
-    def order(self) -> int:
-        """Gauss points that integrate along v, between two breaks, to rounding."""
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether they integrate exactly, since the integrand is a polynomial of v."""
-
-    @property
-    def breaks(self) -> tuple[Array, Array]:
-        """Parameters u and v at which the surface is less smooth."""
-
-    def section(self, u: Array, faces: Indices, /) -> Section:
-        """The patch at parameters u (k,) of the numbered surfaces (k,)."""
+    section: Callable[[Array, Indices], Section]
+    """The patch at parameters u (k,) of the numbered surfaces (k,)."""
+    order: int
+    """Gauss points that integrate along v, between two breaks, to rounding."""
+    is_exact: bool
+    """Whether they integrate exactly, since the integrand is a polynomial of v."""
+    breaks: tuple[Array, Array] = (_NONE, _NONE)
+    """Parameters u and v at which the surface is less smooth."""
 
 
 class Frames(Struct, frozen=True, eq=False):
@@ -70,21 +64,28 @@ class Frames(Struct, frozen=True, eq=False):
         return Frames(table[:, 0] - origin, table[:, 1], table[:, 2], table[:, 3])
 
 
-class Planes(Struct, frozen=True, eq=False):
+def planes(frames: Frames) -> Patch:
     """Planes; S is linear in u and v."""
 
-    frames: Frames
-    order: int = 2
-    is_exact: bool = True
-    breaks: tuple[Array, Array] = (_NONE, _NONE)
-
-    def section(self, u: Array, faces: Indices) -> Section:
-        """See :meth:`Patch.section`."""
-        frames = self.frames
+    def section(u: Array, faces: Indices) -> Section:
         normal = np.cross(frames.x, frames.y)
         flux = (frames.origins * normal).sum(axis=1)
         start = frames.origins[faces] + u[:, None] * frames.x[faces]
         return _straight(start.T, frames.y[faces].T, flux[faces])
+
+    return Patch(section, order=2, is_exact=True)
+
+
+def extruded(curve: Curve, origin: Array, direction: Array) -> Patch:
+    """A curve moved along a line: S = C(u) + v d."""
+
+    def section(u: Array, _faces: Indices) -> Section:
+        points, tangents = curve.at(u)
+        points = points - origin
+        flux = (points * np.cross(tangents, direction)).sum(axis=1)
+        return _straight(points.T, np.broadcast_to(direction, points.shape).T, flux)
+
+    return Patch(section, order=2, is_exact=True, breaks=(curve.breaks, _NONE))
 
 
 def _straight(start: Array, along: Array, flux: Array) -> Section:
@@ -97,25 +98,22 @@ def _straight(start: Array, along: Array, flux: Array) -> Section:
     return at
 
 
-class Quadrics(Struct, frozen=True, eq=False):
-    """Cylinders and cones, or spheres and tori: of radius r0 + s v + q cos v at the height c v + q sin v."""
+def quadrics(frames: Frames, shape: Array, order: int, *, is_exact: bool) -> Patch:
+    """Cylinders and cones, or spheres and tori: of radius r0 + s v + q cos v at the height c v + q sin v.
 
-    frames: Frames
-    shape: Array
-    """Shape (n, 4): r0, s, q, c of each."""
-    order: int
-    is_exact: bool
-    breaks: tuple[Array, Array] = (_NONE, _NONE)
+    Args:
+        frames: Of the surfaces (n,).
+        shape: Shape (n, 4): r0, s, q, c of each.
+        order: As of :class:`Patch`, and so is ``is_exact``.
+    """
 
-    def section(self, u: Array, faces: Indices) -> Section:
-        """See :meth:`Patch.section`."""
-        frames = self.frames
+    def section(u: Array, faces: Indices) -> Section:
         handed = np.sign((np.cross(frames.x, frames.y) * frames.z).sum(axis=1))[faces]
         outwards = np.cos(u)[:, None] * frames.x[faces] + np.sin(u)[:, None] * frames.y[faces]
-        vectors, shape = (frames.origins[faces].T, frames.z[faces].T, outwards.T), self.shape[faces].T
+        vectors, numbers = (frames.origins[faces].T, frames.z[faces].T, outwards.T), shape[faces].T
 
         def at(rows: Indices, v: Array) -> tuple[Array, Array]:
-            r0, s, q, c = shape[:, rows]
+            r0, s, q, c = numbers[:, rows]
             cos, sin = q * np.cos(v), q * np.sin(v)
             radius, height = r0 + s * v + cos, c * v + sin
             origin, axis, outward = (each[:, None, rows] for each in vectors)
@@ -125,77 +123,29 @@ class Quadrics(Struct, frozen=True, eq=False):
 
         return at
 
+    return Patch(section, order, is_exact)
 
-class Splined(Struct, frozen=True, eq=False):
+
+def splined(surface: SplineSurface) -> Patch:
     """A B-spline surface."""
+    degree, is_polynomial = surface.v.degree, not is_rational(surface.poles)
 
-    surface: SplineSurface
+    def section(u: Array, _faces: Indices) -> Section:
+        sections = surface.sections(u)
+        return lambda rows, v: _with_flux(*surface.at(sections, rows, v))
 
-    @property
-    def order(self) -> int:
-        """See :meth:`Patch.order`."""
-        return min((5 * self.surface.v.degree + 1) // 2 + 4 * is_rational(self.surface.poles), _MOST_POINTS)
-
-    @property
-    def is_exact(self) -> bool:
-        """See :meth:`Patch.is_exact`."""
-        return not is_rational(self.surface.poles) and self.surface.v.degree <= _EXACT_DEGREE
-
-    @property
-    def breaks(self) -> tuple[Array, Array]:
-        """See :meth:`Patch.breaks`."""
-        return self.surface.breaks
-
-    def section(self, u: Array, _faces: Indices) -> Section:
-        """See :meth:`Patch.section`."""
-        sections = self.surface.sections(u)
-        return lambda rows, v: _with_flux(*self.surface.at(sections, rows, v))
+    order = min((5 * degree + 1) // 2 + (0 if is_polynomial else 4), _MOST_POINTS)
+    return Patch(section, order, is_polynomial and degree <= _EXACT_DEGREE, surface.breaks)
 
 
-class Extruded(Struct, frozen=True, eq=False):
-    """A curve moved along a line: S = C(u) + v d."""
+def revolved(curve: Curve, center: Array, axis: Array, origin: Array) -> Patch:
+    """A curve turned about a line through a point: C(v), by the angle u."""
 
-    curve: Curve
-    origin: Array
-    direction: Array
-    order: int = 2
-    is_exact: bool = True
-
-    @property
-    def breaks(self) -> tuple[Array, Array]:
-        """See :meth:`Patch.breaks`."""
-        return self.curve.breaks, _NONE
-
-    def section(self, u: Array, _faces: Indices) -> Section:
-        """See :meth:`Patch.section`."""
-        points, tangents = self.curve.at(u)
-        points = points - self.origin
-        flux = (points * np.cross(tangents, self.direction)).sum(axis=1)
-        return _straight(points.T, np.broadcast_to(self.direction, points.shape).T, flux)
-
-
-class Revolved(Struct, frozen=True, eq=False):
-    """A curve turned about a line: C(v), by the angle u."""
-
-    curve: Curve
-    center: Array
-    """A point of the axis."""
-    axis: Array
-    origin: Array
-    order: int = 10
-    is_exact: bool = False
-
-    @property
-    def breaks(self) -> tuple[Array, Array]:
-        """See :meth:`Patch.breaks`."""
-        return _NONE, self.curve.breaks
-
-    def section(self, u: Array, _faces: Indices) -> Section:
-        """See :meth:`Patch.section`."""
-        center, axis, all_cos, all_sin = self.center, self.axis, np.cos(u), np.sin(u)
+    def section(u: Array, _faces: Indices) -> Section:
+        all_cos, all_sin = np.cos(u), np.sin(u)
 
         def at(rows: Indices, v: Array) -> tuple[Array, Array]:
-            points, tangents = self.curve.at(v.reshape(-1))
+            points, tangents = curve.at(v.reshape(-1))
             cos, sin = all_cos[rows], all_sin[rows]
 
             def turned(vectors: Array) -> Array:
@@ -205,35 +155,31 @@ class Revolved(Struct, frozen=True, eq=False):
                 return np.stack([fixed + cos * a + sin * b, cos * b - sin * a])
 
             point, by_u = turned(points - center)
-            return _with_flux(point + (center - self.origin)[:, None, None], by_u, turned(tangents)[0])
+            return _with_flux(point + (center - origin)[:, None, None], by_u, turned(tangents)[0])
 
         return at
 
+    return Patch(section, order=10, is_exact=False, breaks=(_NONE, curve.breaks))
 
-class Sampled(Struct, frozen=True, eq=False):
+
+def sampled(adaptor: Any, origin: Array, breaks: tuple[Array, Array]) -> Patch:
     """Any surface, point by point."""
 
-    adaptor: Any
-    origin: Array
-    breaks: tuple[Array, Array]
-    order: int = 10
-    is_exact: bool = False
-
-    def section(self, u: Array, _faces: Indices) -> Section:
-        """See :meth:`Patch.section`."""
-
+    def section(u: Array, _faces: Indices) -> Section:
         def at(rows: Indices, v: Array) -> tuple[Array, Array]:
             v = np.broadcast_to(v, (len(v), len(rows)))
             found = np.empty((9, v.size))
             point, by_u, by_v = gp_Pnt(), gp_Vec(), gp_Vec()
             us = np.broadcast_to(u[rows], v.shape)
             for i, (a, b) in enumerate(zip(us.reshape(-1).tolist(), v.reshape(-1).tolist(), strict=True)):
-                self.adaptor.D1(a, b, point, by_u, by_v)
+                adaptor.D1(a, b, point, by_u, by_v)
                 found[:, i] = [c for each in (point, by_u, by_v) for c in (each.X(), each.Y(), each.Z())]
             points, along_u, along_v = found.reshape(3, 3, *v.shape)
-            return _with_flux(points - self.origin[:, None, None], along_u, along_v)
+            return _with_flux(points - origin[:, None, None], along_u, along_v)
 
         return at
+
+    return Patch(section, order=10, is_exact=False, breaks=breaks)
 
 
 def _with_flux(point: Array, by_u: Array, by_v: Array) -> tuple[Array, Array]:
