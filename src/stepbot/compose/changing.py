@@ -30,17 +30,7 @@ from stepbot.geometry.mesh_worker import MESH_WORKER
 from stepbot.geometry.predicates import is_watertight
 from stepbot.pictures.scene import mesh_of
 from stepbot.robot.mesh_names import UniqueNames, free_name
-from stepbot.robot.model import (
-    Collision,
-    Geometry,
-    Joint,
-    JointDynamics,
-    Limit,
-    Link,
-    MeshAsset,
-    MeshRef,
-    Robot,
-)
+from stepbot.robot.model import Collision, Geometry, Joint, JointDynamics, Limit, Link, MeshAsset, MeshRef, Robot
 from stepbot.robot.renaming import renamed
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar import tree

@@ -170,10 +170,7 @@ def anchors(visible: NDArray[np.int32]) -> dict[int, Place]:
         mask = np.pad(visible[window] == owner, 1)
         depth = distance_transform_edt(mask)
         row, column = np.unravel_index(int(depth.argmax()), depth.shape)
-        found[owner] = (
-            float(window[1].start + column - 1) + 0.5,
-            float(window[0].start + row - 1) + 0.5,
-        )
+        found[owner] = (float(window[1].start + column - 1) + 0.5, float(window[0].start + row - 1) + 0.5)
     return found
 
 

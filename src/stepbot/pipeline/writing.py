@@ -130,11 +130,7 @@ def started_provers(formats: Sequence[Format], options: Options, server: ForkSer
 
 
 def proven(
-    written: Rendered,
-    provers: "Provers | None",
-    options: Options,
-    found: Diagnostics,
-    modules: "Sequence[Alone]" = (),
+    written: Rendered, provers: "Provers | None", options: Options, found: Diagnostics, modules: "Sequence[Alone]" = ()
 ) -> Report:
     """The report on the files; without engines, on the robot alone.
 

@@ -247,11 +247,7 @@ def _call_here(
 
 
 def _work(
-    function: Callable[[int], T],
-    numbers: int,
-    results: BinaryIO,
-    failures: tuple[type[Exception], ...],
-    seconds: float,
+    function: Callable[[int], T], numbers: int, results: BinaryIO, failures: tuple[type[Exception], ...], seconds: float
 ) -> None:
     signal.signal(signal.SIGPROF, signal.SIG_DFL)  # the limit of a command's own process has a handler
     while head := os.read(numbers, _NUMBER.size):

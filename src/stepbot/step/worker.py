@@ -8,6 +8,7 @@ Only modules imported from here import the geometry kernel.
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from msgspec.structs import replace
@@ -55,13 +56,10 @@ def read(
     made = bodies.make(options, attempt)
     components = content.tree.components
     stated = content.stated if options.geometry else []
-    none: tuple[Validation, ...] = ()
-    validations = optional(
-        "validation properties",
-        place,
-        found,
+    validations: tuple[Validation, ...] = optional(
+        *("validation properties", place, found),
         lambda: compare(stated, content.definitions, components, made, place, found),
-        none,
+        (),
     )
     assembly = Assembly(
         source=files[0].name.encode("utf-8", "backslashreplace").decode(),
@@ -132,8 +130,8 @@ class _Bodies:
         def make(number: int) -> ReadBody:
             """A body; with ``count`` added to its number, its mesh alone."""
             whose = number % count
-            request = BodyRequest(tolerances[whose], options.refine_mass_to, self._areas, options.faces)
-            return read_body(self._sources[whose], replace(request, only_mesh=failed.get(whose, "")))
+            what = options.refine_mass_to, self._areas, options.faces, failed.get(whose, "")
+            return read_body(self._sources[whose], BodyRequest(tolerances[whose], *what))
 
         if options.refine_mass_to > 0.0:
             prepare_measuring()  # once, before there are several processes
@@ -142,34 +140,20 @@ class _Bodies:
         # Processes with threads cannot fork safely: then this process makes all bodies.
         processes, seconds = (None, BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
 
-        def made(numbers: list[int]) -> dict[int, ReadBody | Died | Raised]:
-            return run(
-                make,
-                numbers,
-                processes=processes,
-                failures=(Exception,),
-                seconds=seconds,
-                attempt=attempt,
-                work="bodies",
-            )
-
-        results = made(order)
-        failed.update(
-            (number, _reason(result)) for number, result in results.items() if not isinstance(result, ReadBody)
+        made = partial(
+            run, make, processes=processes, failures=(Exception,), seconds=seconds, attempt=attempt, work="bodies"
         )
+        results = made(order)
+        failed |= {number: _reason(result) for number, result in results.items() if not isinstance(result, ReadBody)}
         again = made([number + count for number in failed]) if failed else {}
+        results |= {number - count: second for number, second in again.items() if isinstance(second, ReadBody)}
         bodies = []
         for number in range(count):
             result = results[number]
-            second = again.get(number + count, result)
-            if isinstance(result, Died | Raised) and isinstance(second, ReadBody):
-                result = second
-            if isinstance(result, Died | Raised):
-                bodies.append(self._failed(number, result))
-                continue
-            for finding in result.findings:
-                self._report(number, finding)
-            bodies.append(result.body)
+            if isinstance(result, ReadBody):
+                for finding in result.findings:
+                    self._report(number, finding)
+            bodies.append(result.body if isinstance(result, ReadBody) else self._failed(number, result))
         return bodies
 
     def _failed(self, number: int, result: Died | Raised) -> Body:
@@ -201,11 +185,9 @@ class _Bodies:
         return first
 
 
-def _reason(result: Died | Raised | ReadBody) -> str:
+def _reason(result: Died | Raised) -> str:
     """Why a body failed, for messages."""
-    if isinstance(result, Raised):
-        return f"{result.kind} {result.text}".rstrip()
-    return result.reason if isinstance(result, Died) else ""
+    return result.reason if isinstance(result, Died) else f"{result.kind} {result.text}".rstrip()
 
 
 def _outline(source: BodySource) -> Body:

@@ -23,8 +23,8 @@ Text = bytes | mmap.mmap
 FALLBACK = "cp1252"
 """Replacement for bytes above 127 of unknown encoding."""
 
-_LIKELY = ("cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
-"""Code pages that a warning tries."""
+LIKELY = ("cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
+"""Code pages that a warning tries, and in which names of files are looked for."""
 _PLAIN = ("ascii", "utf-8")
 """Encodings that the kernel reads unchanged."""
 BYTE_ORDER_MARK = codecs.BOM_UTF8
@@ -169,7 +169,7 @@ def _readings(data: Text) -> list[str]:
     """A name of the file, decoded by each code page that can decode all names, without duplicates."""
     runs = [match[1] for match, _ in zip(_TEXT.finditer(data), range(_SAMPLES), strict=False)]
     readings: dict[str, list[str]] = {}
-    for encoding in _LIKELY:
+    for encoding in LIKELY:
         try:
             texts = [run.decode(encoding) for run in runs]
         except UnicodeDecodeError:

@@ -14,7 +14,7 @@ from msgspec import Struct
 from stepbot.robot.step_names import is_step_name
 
 from . import DOCUMENT_FILE
-from .encodings import FALLBACK, Text, lines_of
+from .encodings import FALLBACK, LIKELY, Text, lines_of
 from .entities import Entities
 from .part21_values import Record, Value, decode_string
 from .statements import find_statements
@@ -33,8 +33,6 @@ _REFERRING = (
 _DOCUMENT = "DOCUMENT"
 _EQUIVALENT = ("DOCUMENT_PRODUCT_EQUIVALENCE", "DOCUMENT_PRODUCT_ASSOCIATION")
 """Entities that connect a document under version control with the product that stands for it."""
-_LIKELY = ("utf-8", "cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
-"""Encodings in which the name of a file is looked for; a file that exists decides between them."""
 
 
 class ExternalReference(Struct, frozen=True):
@@ -63,9 +61,9 @@ class ExternalReference(Struct, frozen=True):
 
     @property
     def readings(self) -> tuple[str, ...]:
-        """The name in each possible encoding, the likeliest first."""
+        """The name in each possible encoding, the likeliest first; a file that exists decides between them."""
         found: dict[str, None] = {}
-        for encoding in _LIKELY:
+        for encoding in ("utf-8", *LIKELY):
             try:
                 found[decode_string(self.raw, encoding)] = None
             except UnicodeDecodeError:

@@ -11,6 +11,7 @@ from msgspec import Struct
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import DIRECTIONS, Direction, vector
+from stepbot.geometry.mesh import triangle_areas
 from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.spatial import Array, Vector3
 
@@ -117,8 +118,6 @@ class _Sides:
             mesh = self._assembly.bodies[component.body].mesh
             points, faces = component.X_WC.apply(mesh.vertices), mesh.faces
             is_on = np.abs(points[:, along] - level) < near
-            corners = points[faces[is_on[faces].all(axis=1)]]
-            area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
             if footprint > 0.0:
-                shares[index] = float(area.sum()) / footprint
+                shares[index] = float(triangle_areas(points[faces[is_on[faces].all(axis=1)]]).sum()) / footprint
         return shares

@@ -88,8 +88,7 @@ class _Work(Struct):
     ) -> tuple[T, ...]:
         """What is read of each face, without the faces that it fails on."""
         errors: list[str] = []
-        none: tuple[T, ...] = ()
-        found = self.optional(what, lambda: read(faces, errors), none)
+        found: tuple[T, ...] = self.optional(what, lambda: read(faces, errors), ())
         if errors:
             self.say("SB233", f"{what} failed on {len(errors)} of its {len(faces)} faces ({errors[0]})")
         return found

@@ -13,7 +13,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.fixed_point import distinct_rows, merged_labels
-from stepbot.geometry.mesh import signed_volume
+from stepbot.geometry.mesh import signed_volume, triangle_areas
 from stepbot.geometry.spatial import Array
 
 Indices = NDArray[np.int64]
@@ -64,8 +64,7 @@ class Stitched(Struct, frozen=True, eq=False):
     @property
     def area(self) -> float:
         """Area of all faces."""
-        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
-        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+        return float(triangle_areas(self.vertices[self.faces]).sum())
 
     def turned(self) -> "Stitched":
         """The same mesh with its faces reversed."""
