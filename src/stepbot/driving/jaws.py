@@ -87,11 +87,6 @@ class _Place(Struct, frozen=True, eq=False):
     cover: float
     """The smaller one of the shares of the gripped faces, and a quarter edge around them, that hand and jaw face."""
 
-    @property
-    def merit(self) -> float:
-        """How well the cube is gripped."""
-        return self.ball.promise * self.cover**2
-
 
 def find_jaw_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -> Grasp | str:
     """The grasp of a jaw and the link that carries it, or why they are none.
@@ -228,7 +223,9 @@ class _Hand:
     def ranked(self, balls: list[_Ball]) -> list[_Place]:
         """Cubes in the places of the most promising balls, the best one first, if faces cover them."""
         places = map(self._place, sorted(balls, key=lambda ball: -ball.promise)[:_TRIED])
-        return sorted((one for one in places if one.cover >= LEAST_COVER), key=lambda one: -one.merit)
+        return sorted(
+            (one for one in places if one.cover >= LEAST_COVER), key=lambda one: -(one.ball.promise * one.cover**2)
+        )
 
     def _place(self, ball: _Ball) -> _Place:
         X_HC, half = self._cube_pose(ball), 0.5 * ball.edge

@@ -16,7 +16,7 @@ from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import ELEMENTS, subject
 from stepbot.step.assembly import Assembly
-from stepbot.step.structure.paths import Binding, ComponentPaths
+from stepbot.step.structure.paths import ComponentPaths
 
 from .conversion import Options
 from .loading import Loading
@@ -49,7 +49,11 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         from .expectations import check_expected
 
         paths = ComponentPaths(assembly.components)
-        check_expected(sidecar, built.robot, lambda path: paths_of(assembly, paths.find(path)), found)
+
+        def matches(path: str) -> list[str]:
+            return [assembly.components[index].path for index in paths.find(path).topmost]
+
+        check_expected(sidecar, built.robot, matches, found)
     return built
 
 
@@ -66,11 +70,6 @@ def built_of(sidecar: Sidecar, step: Path, options: Options, found: Diagnostics)
         assert built is not None  # a missing robot always has an error
         built.double_counting.report(options.timeout)
     return built, assembly
-
-
-def paths_of(assembly: Assembly, binding: Binding) -> list[str]:
-    """Paths of the components that match, without those below another one."""
-    return [assembly.components[index].path for index in binding.topmost]
 
 
 def places(sidecar: Sidecar) -> dict[str, Span]:

@@ -113,7 +113,12 @@ def assembly_subject(assembly: Assembly, labels: Sequence[Label], apart: float =
     """
     rest = len(labels)
     owners = nearest_claim(assembly.components, ((label.components, i) for i, label in enumerate(labels)), rest)
-    units = {index for label in labels for index in label.components if not _labelled_below(assembly, index, owners)}
+    units = {
+        index
+        for label in labels
+        for index in label.components
+        if all(owners[below] == owners[index] for below in assembly.subtree(index))
+    }
     moves = exploded(_boxes(assembly), [c.parent for c in assembly.components], units, apart)
     drawn = [c for c in assembly.components if c.body >= 0 and len(assembly.bodies[c.body].mesh.faces)]
     own = {c.index: _body_colors(assembly.bodies[c.body], c) for c in drawn}
@@ -128,10 +133,6 @@ def assembly_subject(assembly: Assembly, labels: Sequence[Label], apart: float =
         for c in drawn
     ]
     return Subject(tuple(shapes), (*(label.text for label in labels), assembly.source))
-
-
-def _labelled_below(assembly: Assembly, index: int, owners: Sequence[int]) -> bool:
-    return any(owners[below] != owners[index] for below in assembly.subtree(index))
 
 
 def _boxes(assembly: Assembly) -> Array:

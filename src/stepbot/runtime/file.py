@@ -110,16 +110,12 @@ def replace_file(path: Path, content: bytes, replaces: bytes | None = None) -> N
         with part.open("xb") as file:
             file.write(content)
         if status is not None:
-            _keep_owner(part, status)
+            if sys.platform != "win32":
+                with contextlib.suppress(OSError):  # who may write a file need not own it
+                    os.chown(part, status.st_uid, status.st_gid)
             part.chmod(S_IMODE(status.st_mode))
         if replaces is not None and read_regular(target) != replaces:
             raise OSError(errno.EBUSY, "it was changed elsewhere meanwhile")
         part.replace(target)
     finally:
         part.unlink(missing_ok=True)
-
-
-def _keep_owner(part: Path, status: os.stat_result) -> None:
-    if sys.platform != "win32":
-        with contextlib.suppress(OSError):  # who may write a file need not own it
-            os.chown(part, status.st_uid, status.st_gid)

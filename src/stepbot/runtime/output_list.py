@@ -42,7 +42,9 @@ def locked(folder: Path, seconds: float) -> Iterator[bool]:
         FolderInUse: The other process still holds the lock after that time.
         OSError: The folder cannot be opened.
     """
-    descriptor = _opened(folder)
+    # On Windows folders cannot be locked.
+    where, flags = (folder / LOCK, os.O_RDWR | os.O_CREAT) if sys.platform == "win32" else (folder, os.O_RDONLY)
+    descriptor = os.open(where, flags)
     try:
         deadline = time.monotonic() + seconds
         while (taken := _take(descriptor)) is None:
@@ -55,10 +57,6 @@ def locked(folder: Path, seconds: float) -> Iterator[bool]:
         if sys.platform == "win32":
             with contextlib.suppress(OSError):  # another process has it open
                 (folder / LOCK).unlink()
-
-
-def _opened(folder: Path) -> int:
-    return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT) if sys.platform == "win32" else os.open(folder, os.O_RDONLY)
 
 
 def _take(descriptor: int) -> bool | None:

@@ -63,7 +63,9 @@ def _fall(stage: Stage) -> Result:
 
 
 def _limp(stage: Stage) -> Result:
-    gaps, times, energies, scale = Gaps(stage), [], [], _potential_scale(stage)
+    gaps, times, energies = Gaps(stage), [], []
+    # Energy [J] that lifts the robot by a millimetre: the scale of one that does not fall.
+    scale = 1e-3 * max(1e-3, _weight(stage))
     with stage.scene(setup=Setup(fine=True)) as simulation:
         simulation.reset(stage.mechanism.home)
         before = exact_sum(simulation.energy())
@@ -81,11 +83,6 @@ def _limp(stage: Stage) -> Result:
 def _weight(stage: Stage) -> float:
     """Weight [N] of the robot."""
     return GRAVITY * exact_sum(link.mass_properties.mass for link in stage.mechanism.robot.links)
-
-
-def _potential_scale(stage: Stage) -> float:
-    """Energy [J] that lifting the moving links by a millimetre takes: the scale of a robot that does not fall."""
-    return 1e-3 * max(1e-3, _weight(stage))
 
 
 def stand(stage: Stage) -> Result:

@@ -108,7 +108,8 @@ def _definitions(entities: Entities) -> dict[int, tuple[int, ...]]:
     takes the place of this product.
     """
     of_formation: dict[int, list[int]] = defaultdict(list)
-    product_definitions = _product_definitions(entities)
+    kinds = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
+    product_definitions = dict.fromkeys(number for kind in kinds for number in entities.of(kind))
     for definition in product_definitions:
         for referred in entities.references(definition):
             of_formation[referred].append(definition)
@@ -141,11 +142,6 @@ def _described(
                     elif any(word.startswith("PRODUCT_DEFINITION_FORMATION") for word in entities.keywords(item)):
                         found[document].update(dict.fromkeys(of_formation.get(item, ())))
     return found
-
-
-def _product_definitions(entities: Entities) -> dict[int, None]:
-    kinds = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
-    return dict.fromkeys(number for kind in kinds for number in entities.of(kind))
 
 
 def _file_names(entities: Entities) -> dict[int, bytes]:
