@@ -114,7 +114,7 @@ def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule
 
 def joined_part(assembly: Assembly, index: int, rule: CollisionRule) -> Joined | None:
     """A component with a rule of its own, as the first occurrence of its body; None if it is not closed."""
-    first = assembly.occurrences[assembly.components[index].body][0]
+    first = assembly.first_of_body[assembly.components[index].body]
     return Joined((first,), rule) if _is_closed(assembly, index) else None
 
 

@@ -224,6 +224,11 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
         return tuple(tuple(indices) for indices in below)
 
     @cached_property
+    def first_of_body(self) -> dict[int, int]:
+        """For each body the index of its first component."""
+        return {body: indices[0] for body, indices in self.occurrences.items()}
+
+    @cached_property
     def occurrences(self) -> dict[int, tuple[int, ...]]:
         """For each body the indices of its components, in file order."""
         found: dict[int, list[int]] = {}

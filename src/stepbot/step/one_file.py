@@ -31,8 +31,6 @@ T = TypeVar("T")
 class FileContent(Struct, frozen=True, eq=False):
     """The content of a file."""
 
-    place: str
-    """Name of the file in diagnostics."""
     session: Any
     """Work session of its reader."""
     unit: LengthUnit
@@ -126,7 +124,7 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
     if materials is not None:
         made_of = optional("materials", place, found, lambda: materials_of(materials), made_of)
     mechanisms = optional("mechanisms", place, found, lambda: mechanism_count(session), 0)
-    return FileContent(place, session, unit, products, definitions, made_of, mechanisms, elsewhere)
+    return FileContent(session, unit, products, definitions, made_of, mechanisms, elsewhere)
 
 
 def _elsewhere(
