@@ -349,13 +349,13 @@ def test_tries_to_mesh_end_at_a_limit(
     seconds: float, calls: int, tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where a face stays without triangles, the best mesh is kept, and the message says whether tries were left."""
-    mesh, made = tessellation._meshed, list[int]()
+    mesh, made = tessellation.tessellated_once, list[int]()
 
     def lacking(*arguments: Any) -> tessellation.Tessellation:
         made.append(len(made))
         return replace(mesh(*arguments), missing=[0, 1] if len(made) == 1 else [0])
 
-    monkeypatch.setattr(tessellation, "_meshed", lacking)
+    monkeypatch.setattr(tessellation, "tessellated_once", lacking)
     monkeypatch.setattr(tessellation, "RETRY_SECONDS", seconds)
     path = write(tmp_path / "ball.step", solids.sphere(10).shape)
     assert only(read_here(path, found)).exact is not None
@@ -367,13 +367,13 @@ def test_tries_to_mesh_end_at_a_limit(
 
 def test_a_finer_mesh_is_bounded_and_needs_all_faces(monkeypatch: pytest.MonkeyPatch) -> None:
     """None is made that would have too many faces, or lack a face that is not meshed alone; the result says so."""
-    mesh, made = tessellation._meshed, list[tessellation.Fineness]()
+    mesh, made = tessellation.tessellated_once, list[tessellation.Fineness]()
 
-    def lacking(shape: Any, faces: Any, wanted: tessellation.Fineness, algorithm: Any) -> tessellation.Tessellation:
+    def lacking(shape: Any, wanted: tessellation.Fineness, *algorithm: Any) -> tessellation.Tessellation:
         made.append(wanted)
-        return replace(mesh(shape, faces, wanted, algorithm), missing=[0])
+        return replace(mesh(shape, wanted, *algorithm), missing=[0])
 
-    monkeypatch.setattr(tessellation, "_meshed", lacking)
+    monkeypatch.setattr(tessellation, "tessellated_once", lacking)
     wanted = tessellation.Fineness(1.0, 0.3)
     every = tessellation.tessellated(solids.sphere(10).shape, wanted)
     assert (len(made), min(one.angle for one in made), every.untried) == (4, 0.25 * wanted.angle, "")
