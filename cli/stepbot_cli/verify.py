@@ -63,7 +63,7 @@ def command(
         return write_document({"report": document}, found)
     shown = report.checks and display.shows_results
     if shown:
-        write_filled(*compared_words(report, [path.name for path in files]))
+        write_filled(*compared_words(report, files))
         if display.verbose:
             show_joint_rows(report.joint_table)
             show_table(report)

@@ -1,6 +1,7 @@
 """The verdict on a robot in words: what it is, and which of its files are proven by which engines."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 
 from stepbot.engines import engine_of, engines
 from stepbot.formats import FORMATS
@@ -70,8 +71,9 @@ def proof_words(results: Results, source: str) -> tuple[str, ...]:
     return (*lines, *_read_back(written, results))
 
 
-def compared_words(results: Results, files: Sequence[str]) -> tuple[str, ...]:
+def compared_words(results: Results, paths: Sequence[Path]) -> tuple[str, ...]:
     """The verdict of a comparison of files with each other, or of one file in several engines."""
+    files, seen = [path.name for path in paths], {check.file for check in results.checks}
     compared = _with(results.checks, Status.PASSED, Status.FAILED)
     failed = _with(results.checks, Status.FAILED)
     if not compared:
@@ -80,6 +82,8 @@ def compared_words(results: Results, files: Sequence[str]) -> tuple[str, ...]:
         what = _joined(dict.fromkeys(check.quantity for check in failed))
         where = _joined(dict.fromkeys(check.file for check in failed if check.file)) or "the robot"
         return (f"different: {where}: {what} ({len(failed)} of {_counted(len(compared), 'check')})",)
+    if unread := [path.name for path in paths if path.as_posix() not in seen]:
+        return (f"not compared: {_joined(unread)} could not be read",)
     same = "is the same robot" if len(files) == 1 else "are the same robot"
     names = _by_engines(compared, results.own_parsers)
     confirmed = _engines(names) if names else "stepbot's own parser alone"

@@ -396,6 +396,16 @@ def test_a_sliding_closure_without_a_plain_pin_is_an_error(found: ReadDiagnostic
     assert "SB764:stuck-closure" in found.codes()
 
 
+def test_a_loop_is_cut_at_a_pin_with_limits_of_its_motor(found: ReadDiagnostics) -> None:
+    """A default effort on all joints keeps no loop from being cut at a passive pin; a note names what is left out."""
+    robot = sliding_closure()
+    joints = tuple(replace(joint, limit=replace(joint.limit, effort=1.0)) for joint in robot.joints)
+    stated = lower(replace(robot, joints=joints), FORMATS["mjcf"], found)
+    assert [closure.name for closure in stated.closures] == ["wrist"]
+    (note,) = (one for one in found if one.code == "SB763:sliding-closure")
+    assert "'cylinder' at 'wrist', without its limits of effort and velocity" in note.message
+
+
 @pytest.mark.parametrize(
     ("format_", "name"), [("urdf", "world"), ("sdf", "world"), ("sdf", "__model__"), ("sdf", "a::b"), ("mjcf", "world")]
 )

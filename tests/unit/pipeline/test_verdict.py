@@ -1,5 +1,7 @@
 """The verdict on a robot in words."""
 
+from pathlib import Path
+
 import pytest
 from msgspec.structs import replace
 
@@ -53,12 +55,13 @@ def test_a_failure_comes_first() -> None:
     [
         ((MUJOCO, BULLET), "equal: a.urdf and a.sdf are the same robot in MuJoCo and PyBullet (2 checks)"),
         ((MUJOCO, WRONG), "different: a.xml: limits (1 of 2 checks)"),
+        ((MUJOCO,), "not compared: a.sdf could not be read"),
         ((NO_DRAKE,), "not verified: no engine could load a.urdf and a.sdf"),
     ],
 )
 def test_compared_files(checks: tuple[Check, ...], line: str) -> None:
     """Files are equal, different, or not verified."""
-    assert compared_words(Report(checks=checks), ("a.urdf", "a.sdf")) == (line,)
+    assert compared_words(Report(checks=checks), (Path("a.urdf"), Path("a.sdf"))) == (line,)
 
 
 def test_robot_in_one_line() -> None:
@@ -72,6 +75,6 @@ def test_robot_in_one_line() -> None:
 def test_files_that_own_parsers_alone_read() -> None:
     """A file with features that no engine of the core install reads is compared by stepbot's own parser."""
     report = Report(checks=(INERTIA,), own_parsers=("reader",))
-    assert compared_words(report, ["a.sdf"]) == (
+    assert compared_words(report, [Path("a.sdf")]) == (
         "equal: a.sdf is the same robot in stepbot's own parser alone (1 check)",
     )

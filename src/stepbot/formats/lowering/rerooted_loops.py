@@ -6,6 +6,7 @@ are now above them.
 """
 
 from collections.abc import Mapping
+from math import inf
 
 from msgspec.structs import replace
 
@@ -31,12 +32,13 @@ def sliding_closures(robot: Robot) -> list[str]:
     for closure in robot.closures:
         if closure.kind is JointKind.PRISMATIC:
             way = _way_to_cut(robot, closure)
-            found.append(f"'{closure.name}'" + (f" at '{way[-1].name}'" if way else ""))
+            limits = ", without its limits of effort and velocity" if way and way[-1].limit != Limit() else ""
+            found.append(f"'{closure.name}'" + (f" at '{way[-1].name}'{limits}" if way else ""))
     return found
 
 
 def reroot_loops(robot: Robot) -> Robot:
-    """The robot with every prismatic closure replaced by a cut at a joint without limits, forces or actuator.
+    """The robot with every prismatic closure replaced by a cut at a joint without stops, forces or actuator.
 
     Loops without such a joint are unchanged.
     """
@@ -57,17 +59,20 @@ def _way_to_cut(robot: Robot, closure: LoopClosure) -> tuple[Joint, ...]:
     ways = []
     for joints in ([joint for joint in up if joint.name not in shared] for up in (up_b, up_a)):
         ends = [i for i, joint in enumerate(joints) if _can_close(robot, joint)]
-        if ends and not any(joint.name in weighed for joint in joints[: ends[0] + 1]):
-            ways.append(tuple(joints[: ends[0] + 1]))
-    return min(ways, key=len, default=())
+        plain = [i for i in ends if joints[i].limit == Limit()]
+        way = tuple(joints[: (plain or ends)[0] + 1]) if ends else ()
+        if way and not any(joint.name in weighed for joint in way):
+            ways.append(way)
+    return min(ways, key=lambda way: (way[-1].limit != Limit(), len(way)), default=())
 
 
 def _can_close(robot: Robot, joint: Joint) -> bool:
-    """Whether a closure can represent everything about a joint."""
+    """Whether a closure can represent what a joint does: limits of effort and velocity bound its motor alone."""
     involved = {actuator.joint for actuator in robot.actuators}
     involved |= {sensor.joint for sensor in robot.sensors}
     involved |= {other.mimic.joint for other in robot.joints if other.mimic is not None}
-    plain = joint.limit == Limit() and joint.dynamics == JointDynamics() and joint.mimic is None
+    unlimited = replace(joint.limit, effort=inf, velocity=inf) == Limit()
+    plain = unlimited and joint.dynamics == JointDynamics() and joint.mimic is None
     return joint.kind in _CLOSES_AS and plain and joint.name not in involved
 
 
