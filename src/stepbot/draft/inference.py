@@ -30,6 +30,7 @@ from stepbot.draft.mechanism.joints import Mechanism
 from stepbot.draft.mechanism.locked import (
     JointKey,
     choose_slides,
+    idle_motors,
     missing_joints,
     note_doubts,
     one_per_pair,
@@ -79,7 +80,7 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
         KeyError: A fact is about a path that is not that of a part.
     """
     found = _infer(survey, facts, {})
-    needed = dict(found.pivots)
+    needed = {**found.pivots, **idle_motors(found.motors, found.arcs, found.offered, found.welds)}
     # Joints that equal parts elsewhere show.
     joints = [arc.evidence for arc in found.arcs if arc.evidence.score >= CHOSEN]
     repeats = repeated_joints(found.survey, joints, found.links)

@@ -42,6 +42,36 @@ def test_stronger_evidence_wins() -> None:
         assert (found.joints[0].verdict == Verdict.TAKEN) == (len(groups) == 2)
 
 
+def slide(score: float, a: int, b: int) -> JointEvidence:
+    """A slide between two of them along the line that they turn about, 20 mm beside it."""
+    return JointEvidence(score, a, b, JointKind.PRISMATIC, Axis(np.array([0.02, 0.0, 0.0]), AXIS.d), "")
+
+
+def test_a_weld_does_not_lock_firmer_joints() -> None:
+    """A block that turns on another and one that slides on it are not one: neither joint could move then."""
+    found = Evidence()
+    found.joint(hinge(0.9, 1, 3))
+    found.joint(slide(0.88, 2, 3))
+    found.weld(0.86, 1, 2, "")
+    assert list(decide(survey(), [], found).clusters.groups().values()) == [[1], [2], [3]]
+
+
+@pytest.mark.parametrize(("score", "verdict"), [(0.9, Verdict.REPEATED), (0.6, Verdict.TAKEN)])
+def test_a_screw_and_its_nut_have_no_joint_of_their_own(score: float, verdict: Verdict) -> None:
+    """A shaft turns in a frame, and what is around it slides there, by firmer evidence: both are free already."""
+    nut = box(40, 40, 10) - cylinder(4, 10).at(0, 0, -5)
+    drawn = Survey(
+        assembled(part("spindle", cylinder(4, 80).at(0, 0, -40)), part("nut", nut), part("frame", BLOCK, z=-60)),
+        ALL_SOURCES,
+    )
+    found = Evidence()
+    found.joint(replace(hinge(0.7, 1, 2), relation=drawn.relation(1, 2)))
+    found.joint(hinge(score, 1, 3))
+    found.joint(slide(0.88, 2, 3))
+    decide(drawn, [], found)
+    assert found.joints[0].verdict == verdict
+
+
 def test_rank_comes_before_score() -> None:
     """A stated joint holds against welds of any score."""
     found = Evidence()

@@ -3,12 +3,16 @@
 from math import pi
 
 import numpy as np
+import pytest
 
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import JointEvidence
+from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.mechanism.locked import note_doubts
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
-from tests.assembled import BARE, Node, inferred, joints, links, part, turned
+from tests.assembled import BARE, Node, assembled, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
 
 ALONG_X = (0.0, pi / 2, 0.0)
@@ -59,6 +63,17 @@ def test_triangle_is_locked_and_four_bar_is_not() -> None:
     four = [*three[:2], arc(2, 3, 0.1, 0.13), arc(0, 3, 0.0, 0.1, closure=True)]
     assert locked_arcs(three) == {0, 1, 2}
     assert locked_arcs(four) == set()
+
+
+@pytest.mark.parametrize(("offset", "is_doubted"), [(0.0, True), (0.1, False)])
+def test_two_joints_in_a_row_about_one_line_are_doubted(offset: float, is_doubted: bool) -> None:
+    """What turns about one line on both of its sides, as a bearing may, and nowhere else, has one joint."""
+    arcs = [arc(0, 1, 0.0, 0.0), arc(1, 2, offset, 0.0)]
+    for one in arcs:
+        one.evidence.by_role = True
+    survey = Survey(assembled(*(part(f"{n}", RING, 30.0 * n) for n in range(3))), ALL_SOURCES)
+    note_doubts(arcs, Structure(survey, set()), lambda i: i, has_drives=False)
+    assert [bool(one.evidence.review) for one in arcs] == [is_doubted, is_doubted]
 
 
 def test_chain_has_no_locked_joint() -> None:

@@ -5,7 +5,8 @@ from math import pi
 import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
-from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.evidence.evidence import Evidence, Weld
+from stepbot.draft.evidence.subassemblies import Structure, body_welds
 from stepbot.geometry.spatial import Pose
 from tests.assembled import Node, assembled, group, inferred, joints, links, part, turned
 from tests.solids import box, cylinder
@@ -30,6 +31,35 @@ def test_parts_of_a_subassembly_are_together() -> None:
     assert found.are_across(2, 5)
     assert found.are_across(2, 7)
     assert not found.are_together(2, 5)
+
+
+def test_pieces_of_a_subassembly_that_do_not_touch_are_weakly_together() -> None:
+    """What touches in a subassembly is one; what does not is held by others, whose joints come first."""
+    found = Evidence()
+    structure(group("a", *two("b", 0).children, part("far", BLOCK, 300)), part("loose", BLOCK, 100)).welds(found)
+    assert {(w.a, w.b): w.score for w in found.welds} == {(2, 3): 0.75, (2, 4): 0.61}
+
+
+def test_bodies_of_equal_parts_are_one_across_a_gap() -> None:
+    """A part drawn in two bodies that do not touch, and used twice, is no list of what moves."""
+    bodies = [part("foot", cylinder(14, 10)), part("tube", (cylinder(14, 90) - cylinder(9, 90)).at(0, 0, 27))]
+    alone, twice = (
+        body_evidence(
+            *(
+                Node(f"leg {n}", children=bodies, X=Pose.from_xyz_rpy((0.1 * n, 0, 0), (0, 0, 0)), has_bodies=True)
+                for n in range(count)
+            )
+        )
+        for count in (1, 2)
+    )
+    assert (len(alone), [w.score for w in twice]) == (0, [0.61, 0.61])
+
+
+def body_evidence(*nodes: Node) -> list[Weld]:
+    """The welds between bodies of one product."""
+    found = Evidence()
+    body_welds(Survey(assembled(part("base", BLOCK, -300), *nodes), ALL_SOURCES), [], found)
+    return found.welds
 
 
 def test_subassembly_with_a_joint_inside_is_no_link() -> None:

@@ -4,6 +4,7 @@ Scores are ranks, not probabilities. From 0.8 a joint is accepted, from 0.5 it i
 offered as a comment.
 """
 
+from collections.abc import Collection
 from enum import IntEnum, StrEnum
 
 from msgspec import Struct, field
@@ -126,6 +127,11 @@ class Evidence(Struct, eq=False):
     def joint(self, joint: JointEvidence) -> None:
         """Add evidence for a joint between two parts."""
         self.joints.append(joint)
+
+    def links_on(self, axis: Axis, parts: Collection[int]) -> bool:
+        """Whether some linkage turns one of some parts about an axis."""
+        hinges = (h for h in self.joints if h.of_linkage and h.score >= CHOSEN and h.type is JointKind.REVOLUTE)
+        return any((h.a in parts or h.b in parts) and h.axis.same(axis) for h in hinges)
 
     def ranked(self) -> list[Weld | JointEvidence | Apart]:
         """Everything, by rank, the strongest first; at equal scores welds first."""

@@ -43,7 +43,7 @@ _BORED = 0.86
 """Score of the weld of a bored ball and what is bolted through it."""
 _STUD = 4.0
 """Length in radii below which the shaft of a ball is a stud, and does not slide."""
-_SERIES = 0.86
+_SERIES = 0.82
 """Score of the weld of an exact fit, if one of its sides turns with play about its axis."""
 _SLOT, _OPPOSITE, _ACROSS = 0.35, 0.999, 1e-3
 """Score of a block in a slot; cosines of faces on both sides of it, and of its pin to them."""
@@ -217,10 +217,11 @@ class PairEvidence:
     def _turns_with(self, r: Relation) -> bool:
         """Whether one of two parts turns with play on a third, about the same line: a rim on its hub turns with it.
 
-        So does a shaft in a coupling on a motor. No part is a bearing, whose seats turn though they are exact.
+        So does a shaft in a coupling on a motor. No part is a bearing, whose seats turn though they are exact, nor
+        turns about the line in a linkage: there the fit does not tell.
         """
-        parts = self._survey.parts
-        if r.axis is None or any(Role.BEARING in parts[i].roles for i in (r.a, r.b)):
+        parts, pair = self._survey.parts, (r.a, r.b)
+        if r.axis is None or any(Role.BEARING in parts[i].roles for i in pair) or self._found.links_on(r.axis, pair):
             return False
         if self._is_in_coupling(r, r.axis) or self._is_on_spindle(r, r.axis):
             return True

@@ -1,5 +1,6 @@
 """Subassemblies as links: they move as one, unless a joint is inside or they are folders of unconnected parts."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from stepbot.draft.contacts.relations import Via
@@ -14,6 +15,10 @@ from stepbot.geometry.fixed_point import exact_sum
 
 _MOVING = 0.79
 """Score of a joint of a loop or a wheel, which bodies of one part may have."""
+_TOGETHER, _APART = 0.75, 0.61
+"""Scores of welds within a subassembly, and of pieces of one, or of one part, that do not touch: above guesses across a
+gap, and below what a linkage or a motor turns.
+"""
 _EQUAL_PIECES = 3
 """Number of equal pieces that do not touch each other, from which a subassembly is a list; two may be plates."""
 _IMPORT, _PIECE = 0.15, 0.05
@@ -49,7 +54,10 @@ class Structure:
         return self._survey.node_roles(self.link_of[part]) if part in self.link_of else set()
 
     def welds(self, found: Evidence) -> None:
-        """Add evidence that the parts of each such subassembly are one, but for wheels that nothing else touches."""
+        """Add evidence that the parts of each such subassembly are one, but for wheels that nothing else touches.
+
+        Pieces that do not touch each other are held together by others, which may move: that is weaker evidence.
+        """
         survey, axes = self._survey, dict(rolling(self._survey))
         for group in self.groups:
             members = [i for i in self._assembly.subtree(group) if i in survey.parts and i not in survey.small]
@@ -57,9 +65,15 @@ class Structure:
             first = largest(
                 [survey.parts[i] for i in members if i not in free] or [survey.parts[i] for i in members]
             ).index
-            for i in members:
-                if i != first and i not in free:
-                    found.weld(0.75, first, i, f"in one subassembly '{self._assembly.components[group].path}'")
+            own = [i for i in members if i not in free]
+            why = f"in one subassembly '{self._assembly.components[group].path}'"
+            for island in survey.islands(own):
+                near = min(island, key=lambda i: (i != first, i))
+                for i in island:
+                    if i != near:
+                        found.weld(_TOGETHER, near, i, why)
+                if near != first:
+                    found.weld(_APART, first, near, why)
 
     def _top(self) -> int:
         """The highest component with more than one child."""
@@ -157,10 +171,15 @@ def is_guide(survey: Survey, a: int, b: int) -> bool:
 
 
 def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence) -> None:
-    """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn."""
+    """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn.
+
+    Where others are equal to it, as in limbs, the product is no list of what was drawn together: its bodies are one
+    also if they do not touch.
+    """
     in_motor = {i for parts in motors for i in parts}
     moving = {(h.a, h.b) for h in found.joints if h.score >= _MOVING}
     assembly = survey.assembly
+    products: dict[int, list[int]] = {}
     for c in assembly.components:
         bodies = [i for i in assembly.children[c.index] if i in survey.parts and not assembly.components[i].product]
         bodies = [i for i in bodies if i not in survey.small]
@@ -169,6 +188,13 @@ def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence)
         pairs = {(a, b) for n, a in enumerate(bodies) for b in bodies[n + 1 :]}
         if any(r is not None and r.holes > 1 for r in map(survey.relations.get, pairs)) or moving & pairs:
             continue  # what is bolted together, or moves in a loop, is an assembly that was drawn in one part
-        for island in survey.islands(bodies):
+        products[c.index] = bodies
+    kinds = {index: survey.equal.kinds(bodies) for index, bodies in products.items()}
+    uses = Counter(kinds.values())
+    for index, bodies in products.items():
+        islands = survey.islands(bodies)
+        for island in islands:
             for i in island[1:]:
-                found.weld(0.97, island[0], i, f"bodies of one part '{c.path}'")
+                found.weld(0.97, island[0], i, f"bodies of one part '{assembly.components[index].path}'")
+        for island in islands[1:] if uses[kinds[index]] > 1 else ():
+            found.weld(_APART, islands[0][0], island[0], f"bodies of one of {uses[kinds[index]]} equal parts")

@@ -5,11 +5,12 @@ already joined. Fasteners do not join clusters: they are assigned to their tight
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 from msgspec import Struct, field
 
+from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import CHOSEN
@@ -17,7 +18,7 @@ from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvid
 from stepbot.draft.evidence.fingers import centroid, direction_between
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
@@ -33,8 +34,6 @@ what is welded to its output is its horn.
 _BESIDE = 1e-3
 """Distance [m] up to which a body is beside the output of a motor."""
 _REVIEW_BESIDE = "what the motor turns is only drawn beside its output"
-_TOUCHING = 0.6
-"""Score from which a weld holds against the hinges that it would lock: below are faces in contact, and one screw."""
 _OUT = 1e-3
 """Distance [m] from which a body reaches out of another one's bounding box."""
 
@@ -94,24 +93,46 @@ def accept(made: Decision, one: Weld | JointEvidence | Apart) -> None:
         one.verdict = Verdict.OFFERED
     else:
         one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
-        if one.verdict == Verdict.TAKEN and one.type is JointKind.REVOLUTE:
+        if one.verdict == Verdict.TAKEN and _is_implied(made, one):
+            one.verdict = Verdict.REPEATED
+        elif one.verdict == Verdict.TAKEN and one.type in (JointKind.REVOLUTE, JointKind.PRISMATIC):
             made.hinges[one.a].append(one)
             made.hinges[one.b].append(one)
 
 
-def _locks(made: Decision, weld: Weld) -> bool:
-    """Whether a weld of two parts that only touch would lock hinges about different lines: of each on the same link."""
+def _beside(made: Decision, a: int, b: int) -> Iterator[tuple[list[JointEvidence], list[JointEvidence]]]:
+    """The accepted hinges and slides of two clusters on each link that both are joined to."""
     clusters = made.clusters
-    if weld.score >= _TOUCHING or weld.priority is not Priority.FOUND or clusters.find(weld.a) == clusters.find(weld.b):
-        return False
-    for common in sorted(clusters.apart_from_both(weld.a, weld.b)):
+    for common in sorted(clusters.apart_from_both(a, b)):
         one, two = (
-            [h.axis for i in members for h in made.hinges.get(i, ()) if common in map(clusters.find, (h.a, h.b))]
-            for members in map(clusters.members, (weld.a, weld.b))
+            [h for i in members for h in made.hinges.get(i, ()) if common in map(clusters.find, (h.a, h.b))]
+            for members in map(clusters.members, (a, b))
         )
-        if any(not a.same(b, SAME_LINE) for a in one for b in two):
-            return True
-    return False
+        yield one, two
+
+
+def _locks(made: Decision, weld: Weld) -> bool:
+    """Whether a weld would lock firmer joints: hinges and slides of its two clusters on one link leave no motion."""
+    if weld.priority is not Priority.FOUND or made.clusters.find(weld.a) == made.clusters.find(weld.b):
+        return False
+    return any(_exclude(h, k) for one, two in _beside(made, weld.a, weld.b) for h in one for k in two)
+
+
+def _exclude(one: JointEvidence, two: JointEvidence) -> bool:
+    if one.type is two.type is JointKind.PRISMATIC:
+        return not are_parallel(one.axis.d, two.axis.d)
+    return not one.axis.same(two.axis, SAME_LINE)
+
+
+def _is_implied(made: Decision, h: JointEvidence) -> bool:
+    """Whether firmer joints let a shaft turn and slide in its bore already: a screw in its nut holds neither."""
+    if h.type is not JointKind.REVOLUTE or h.relation is None or h.relation.freedom.kind != FreedomKind.CYLINDRICAL:
+        return False
+    return any(
+        any(k.type is JointKind.REVOLUTE and k.axis.same(h.axis, SAME_LINE) for k in both)
+        and any(k.type is JointKind.PRISMATIC and k.axis.is_along(h.axis.d) for k in both)
+        for both in (one + two for one, two in _beside(made, h.a, h.b))
+    )
 
 
 def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:

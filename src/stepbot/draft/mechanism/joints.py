@@ -180,14 +180,16 @@ class Mechanism:
             return None
         members = self._clusters.members(root)
         first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
-        if len({h.through for h in self._made.evidence.joints if h.through in members}) > 1:
+        is_more = any(Role.BEARING not in self._survey.parts[i].roles for i in members)
+        if is_more and len({h.through for h in self._made.evidence.joints if h.through in members}) > 1:
             return None  # a roller on bearings in both of its ends
         is_rod = len(joints) == 1 and self._is_rod(members, first)
         if not self._spins(members, first.axis, _SPINNING_ROD if is_rod else _SPINNER):
             return None
         balls = [j for j in others if j.evidence.type == JointKind.BALL]
-        if len(balls) == len(others) > 1 and first.axis.direction is not None:
-            # A stud with balls on its axis, which turn in their sockets; a rod with one may be that of a strut.
+        r, is_axle = first.evidence.relation, balls and balls == others and first.axis.direction is not None
+        # A stud with balls on its axis, which turn in their sockets; a shaft in a bore with one is that of a strut.
+        if is_axle and (len(balls) > 1 or r is None or not r.shafts):
             return first if all(first.axis.distance(j.axis.point) < _SAME_CENTRE for j in others) else None
         if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis, self._off) for j in joints):
             return min(joints, key=self._hold)
@@ -238,8 +240,7 @@ class Mechanism:
                     if (
                         one == two
                         or not j.axis.same(k.axis, max(_SAME_CENTRE, self._off))
-                        or self._has_wheel(one)
-                        or self._has_wheel(two)
+                        or any(map(self._has_wheel, (one, two)))
                     ):
                         continue
                     if len(of[one]) > 1 and len(of[two]) > 1:
@@ -303,8 +304,8 @@ class Mechanism:
         """Looseness of a spinning body on one side: the tightest side is not a joint."""
         h, r = joint.evidence, joint.evidence.relation
         clearance = min((f.clearance for f in r.shafts), default=1.0) if r is not None else 1.0
-        length = r.length if r is not None else 0.0
-        return not self._structure.are_together(h.a, h.b), round(clearance, 7), round(h.score, 6), -round(length, 6)
+        tight = round(clearance, 7), round(h.score, 6), -round(r.length if r is not None else 0.0, 6)
+        return not self._structure.are_together(h.a, h.b), *tight
 
     def _spins(self, members: Sequence[int], axis: Axis, most: float) -> bool:
         """Whether a body is symmetric about an axis, and has a share of the volume up to a bound."""
@@ -352,9 +353,8 @@ class Mechanism:
         if not self._structure.are_across(joint.evidence.a, joint.evidence.b):
             return False
         is_group = all(self._structure.are_together(i, members[0]) for i in members if i not in self._survey.small)
-        is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
-        is_heavy = self._survey.total_volume(members) > _SCREW * self._survey.volume
-        return feet < 2 and (is_large or (is_group and is_heavy and len(members) > 1))
+        is_heavy = len(members) > 1 and self._survey.total_volume(members) > _SCREW * self._survey.volume
+        return feet < 2 and (self._survey.size_of(members) > _WHEEL * self._survey.extent or (is_group and is_heavy))
 
     def _is_flange(self, root: int, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body at the end of a chain has a circle of holes that nothing is in or in line with, for a tool."""

@@ -9,21 +9,24 @@ drafted as a universal joint. A shaft in a bore with one swivel on each side is 
 
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, Weld
+from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism.joints import Joint, by_cluster, same_joint
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 REVIEW = "without it a loop of joints could not move"
-"""What to review of a joint that was added for this."""
+REVIEW_IDLE = "without it the motor would turn nothing"
+"""What to review of joints that were added for either."""
 _SCORE = 0.6
 _WEAKEST = 0.3
 """Score from which a refused joint may be needed."""
@@ -54,6 +57,25 @@ def missing_joints(
     return list(dict.fromkeys((h.a, h.b, str(h.type)) for h in inside))[:_MOST]
 
 
+def idle_motors(
+    motors: Sequence[Motor], arcs: Sequence[TreeJoint], offered: Sequence[JointEvidence], welds: Sequence[Weld]
+) -> dict[JointKey, str]:
+    """Of each named motor that is held and turns nothing the likeliest refused joint: not all around it holds it."""
+    busy, found = {arc.evidence.motor for arc in arcs}, {}
+    for motor in motors:
+        holders = {i for w in welds if w.holds_motor and motor.case in (w.a, w.b) for i in (w.a, w.b)}
+        own = [
+            h
+            for h in offered
+            if h.drives and h.a == motor.case and h.verdict == Verdict.REFUSED and h.b not in motor.parts
+        ]
+        own = [h for h in own if h.motor not in busy and holders - {h.a, h.b}]
+        if motor.is_named and own:
+            best = min(own, key=lambda h: (-round(h.score, 6), h.b))
+            found[best.a, best.b, str(best.type)] = REVIEW_IDLE
+    return found
+
+
 def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
     """Let needed joints come before the evidence against them; each with what to review."""
     for h in evidence.joints:
@@ -64,6 +86,7 @@ def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
 
 _WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear", "quill", "carriage")
 _HANGING = "the motor hangs on its own output and carries no other joint: it may be fastened elsewhere"
+_TWICE = "what is between this joint and one about the same line has no other: one of both may be fixed"
 _SLIM = 3.0
 """Guided length in radii from which a shaft may be prismatic."""
 
@@ -139,6 +162,11 @@ def note_doubts(
     """
     motions, locked = loop_motions(arcs), locked_arcs(arcs)
     ends = Counter(link for arc in arcs for link in (arc.parent, arc.child))
+    for one, two in combinations((arc for arc in arcs if arc.evidence.type == JointKind.REVOLUTE), 2):
+        (h, g), common = (one.evidence, two.evidence), {one.parent, one.child} & {two.parent, two.child}
+        if any(ends[link] == len((one, two)) for link in common) and h.axis.same(g.axis, SAME_LINE):
+            for twin in (h, g) if not (h.drives or g.drives) else ():
+                twin.review = twin.review or _TWICE
     for k, arc in enumerate(arcs):
         h, motion = arc.evidence, motions.get(k)
         if h.drives and link_of(h.a) == arc.child and ends[arc.child] == 1:

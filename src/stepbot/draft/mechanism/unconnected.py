@@ -276,7 +276,10 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
     candidates = {root for root in groups if not degree or degree[root] or volumes[root] >= _LOOSE * made.survey.volume}
     up, stands = _standing(made, candidates)
     is_chain = max(degree.values(), default=0) < _BRANCHES
-    if up not in _USUAL and is_chain and any(volumes[q] < largest for q, share in stands.items() if share > _RIVAL):
+    beneath = [q for q, share in stands.items() if share > _RIVAL]
+    named = {q for q in candidates if _is_base_by_name(made.survey, structure, groups[q])}
+    is_base = named.intersection(beneath) if named else not is_chain or all(volumes[q] >= largest for q in beneath)
+    if up not in _USUAL and not is_base:
         up, stands = "z", {}
     mains = {
         root: max((made.survey.parts[i].volume for i in members if i not in cases), default=0.0)
