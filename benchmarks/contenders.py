@@ -14,8 +14,11 @@ _CASCADIO = (
     "import sys, cascadio; sys.exit(cascadio.step_to_glb(sys.argv[1], sys.argv[2],"
     " tol_linear=0.002, tol_angular=0.2618, tol_relative=True, use_parallel=True))"
 )
-STEPBOT = (str(Path(sys.executable).with_name("stepbot")),)
-"""The command of this environment."""
+_COMMAND = (
+    "import sys, stepbot_cli; sys.argv[0] = 'stepbot'; sys.exit(getattr(stepbot_cli, 'command', stepbot_cli.main)())"
+)
+STEPBOT = (sys.executable, "-P", "-c", _COMMAND)
+"""The command as it is installed, of whatever revision is imported."""
 
 
 class Case(Struct):
