@@ -1,6 +1,6 @@
 """Faults in modules are reported once, in their own file, with the module that uses it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -10,7 +10,7 @@ from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.pipeline.composing import compose
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.sidecars import load
-from stepbot.robot.kinematics import Tree, link_poses
+from stepbot.robot.kinematics import Tree, link_poses_at
 from stepbot.robot.model import Robot
 
 from .described import ARM, composing, joint, link, urdf
@@ -104,11 +104,11 @@ def test_each_configuration_is_computed_once(composed: Callable[..., Robot], mon
     """However many instances of a file there are, poses of the whole and of the file are computed equally often."""
     calls: list[str] = []
 
-    def counted(robot: Robot, q: Mapping[str, float], tree: Tree) -> dict[str, Pose]:
-        calls.append(robot.name)
-        return link_poses(robot, q, tree)
+    def counted(robot: Robot, of: Sequence[Mapping[str, float]], tree: Tree) -> list[dict[str, Pose]]:
+        calls.extend(robot.name for _ in of)
+        return link_poses_at(robot, of, tree)
 
-    monkeypatch.setattr("stepbot.engines.reference.link_poses", counted)
+    monkeypatch.setattr("stepbot.engines.reference.link_poses_at", counted)
     counts = []
     for count in (4, 32):
         calls.clear()
