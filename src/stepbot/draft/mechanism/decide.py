@@ -129,9 +129,10 @@ def _is_implied(made: Decision, h: JointEvidence) -> bool:
     if h.type is not JointKind.REVOLUTE or h.relation is None or h.relation.freedom.kind != FreedomKind.CYLINDRICAL:
         return False
     return any(
-        any(k.type is JointKind.REVOLUTE and k.axis.same(h.axis, SAME_LINE) for k in both)
-        and any(k.type is JointKind.PRISMATIC and k.axis.is_along(h.axis.d) for k in both)
-        for both in (one + two for one, two in _beside(made, h.a, h.b))
+        any(k.type is JointKind.REVOLUTE and k.axis.same(h.axis, SAME_LINE) for k in turning)
+        and any(k.type is JointKind.PRISMATIC and k.axis.is_along(h.axis.d) for k in sliding)
+        for sides in _beside(made, h.a, h.b)
+        for turning, sliding in (sides, sides[::-1])
     )
 
 
