@@ -45,7 +45,7 @@ def evidence_of(
         selected,
         tuple(_side(face, path) for face in faces_of_radius(line, radius)),
         tuple(_rival(other, line) for other in others[:RIVALS]),
-        "" if selected and confirmed else doubt(line, others) or _OFF_CENTRE * is_ball,
+        "" if selected and confirmed else doubt(line, others) or (_OFF_CENTRE if is_ball else ""),
     )
 
 

@@ -112,8 +112,8 @@ class Frames:
 
     def _child_frame(self, name: str) -> Pose | None:
         joint = self._binder.document.joints[name]
-        kinds = [joint.type is kind for kind in (JointKind.PRISMATIC, JointKind.FIXED, JointKind.BALL)]
-        wanted = Wanted(("joints", name, "origin"), (joint.parent, joint.child), *kinds)
+        slides, rigid, ball = (joint.type is kind for kind in (JointKind.PRISMATIC, JointKind.FIXED, JointKind.BALL))
+        wanted = Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides, rigid, ball)
         X_WJ = self.resolve(joint.origin, wanted)
         self._joints[name] = X_WJ
         if X_WJ is None:
@@ -323,7 +323,7 @@ class Frames:
             "SB406",
             wanted.keys,
             f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no touching faces",
-            help=(*CENTRE[: wanted.is_ball], *listed(remedies)),
+            help=(*(CENTRE if wanted.is_ball else ()), *listed(remedies)),
             notes=listed(tuple(described(line, self._binder.path) for line in lines)),
         )
 
@@ -335,7 +335,7 @@ class Frames:
         others = [other for other in found if other is not line and other.basis is not Basis.APART]
         shown = [line, *others[:_SHOWN_MISSES]]
         remedies = [f"origin: {start}{selector(one, found)}}}" for one in (shown[1:] if evidence.selected else shown)]
-        remedies[:0] = CENTRE[: wanted.is_ball]
+        remedies[:0] = CENTRE if wanted.is_ball else ()
         if self._is_draft(wanted.keys):
             confirm = "its origin is right" if evidence.selected else "one of these is right and in the sidecar"
             remedies.insert(0, f"if {confirm}, remove the REVIEW comment of the draft above it")
