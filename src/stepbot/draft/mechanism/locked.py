@@ -7,9 +7,8 @@ A rod with a ball joint at each end can spin about its own axis, which moves not
 drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
 """
 
-from collections import Counter, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Collection, Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -64,12 +63,8 @@ def idle_motors(
     busy, found = {arc.evidence.motor for arc in arcs}, {}
     for motor in motors:
         holders = {i for w in welds if w.holds_motor and motor.case in (w.a, w.b) for i in (w.a, w.b)}
-        own = [
-            h
-            for h in offered
-            if h.drives and h.a == motor.case and h.verdict == Verdict.REFUSED and h.b not in motor.parts
-        ]
-        own = [h for h in own if h.motor not in busy and holders - {h.a, h.b}]
+        refused = [h for h in offered if h.a == motor.case and h.drives and h.verdict == Verdict.REFUSED]
+        own = [h for h in refused if h.b not in motor.parts and h.motor not in busy and holders - {h.a, h.b}]
         if motor.is_named and own:
             best = min(own, key=lambda h: (-round(h.score, 6), h.b))
             found[best.a, best.b, str(best.type)] = REVIEW_IDLE
@@ -162,11 +157,15 @@ def note_doubts(
     """
     motions, locked = loop_motions(arcs), locked_arcs(arcs)
     ends = Counter(link for arc in arcs for link in (arc.parent, arc.child))
-    for one, two in combinations((arc for arc in arcs if arc.evidence.type == JointKind.REVOLUTE), 2):
-        (h, g), common = (one.evidence, two.evidence), {one.parent, one.child} & {two.parent, two.child}
-        if any(ends[link] == len((one, two)) for link in common) and h.axis.same(g.axis, SAME_LINE):
-            for twin in (h, g) if not (h.drives or g.drives) else ():
-                twin.review = twin.review or _TWICE
+    turning: dict[int, list[JointEvidence]] = defaultdict(list)
+    for arc in arcs:
+        if arc.evidence.type == JointKind.REVOLUTE:
+            turning[arc.parent].append(arc.evidence)
+            turning[arc.child].append(arc.evidence)
+    for link, pair in turning.items():
+        if len(pair) == ends[link] == 2 and pair[0].axis.same(pair[1].axis, SAME_LINE):
+            for h in () if any(h.drives for h in pair) else pair:
+                h.review = h.review or _TWICE
     for k, arc in enumerate(arcs):
         h, motion = arc.evidence, motions.get(k)
         if h.drives and link_of(h.a) == arc.child and ends[arc.child] == 1:
