@@ -55,7 +55,7 @@ def koch(corpus: Path, folder: Path, effort: str) -> str:
     jaw = jaw.replace("limits: todo", f"limits: {{lower: -0.4, upper: 1.6, effort: {effort}, velocity: 5}}")
     text = f"{arm}  Follower_Gripper_Moving_Part_joint:\n{jaw}"
     text = text.replace("\njoints:\n", f'\njoint_defaults: {{"*": {{{SERVO % 0.003}}}}}\njoints:\n', 1)
-    joints = re.findall(r"^  (\w+_joint):$", text, re.MULTILINE)
+    joints = re.findall(r"^  (\w+_joint):\n    type: (?!fixed)", text, re.MULTILINE)
     motors = "".join(f"  {j}_motor: {{joint: {j}, kind: position, kp: 6, kv: 0.3}}\n" for j in joints)
     return f"{text.rstrip()}\nactuators:\n{motors}"
 
