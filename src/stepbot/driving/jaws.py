@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
 from stepbot.engines.simulation import Cube, Mechanism, Setup
-from stepbot.geometry.spatial import Array, Pose, rotated, unit
+from stepbot.geometry.spatial import Array, Pose, corners, rotated, unit
 from stepbot.robot.model import Base
 
 from .grasping import FACE, SHORTEST_STROKE, WIDEST, Grasp, overlap, path_of
@@ -143,7 +143,7 @@ class _Hand:
             count = min(max(_POSITIONS[0], ceil(way / _STEP)), _POSITIONS[1])
             self._path = path_of(mechanism, fingers, count)
             points = self._swept(self._path).reshape(-1, 3)
-            self._low, self._high = points.min(axis=0), points.max(axis=0)
+            self._low, self._high = corners(points)
             self._X_HJ = [self._placed(q) for q in self._path]
             self._X_JH = [X_HJ.inverse() for X_HJ in self._X_HJ]
             box = np.array(list(product(*zip(self._low, self._high, strict=True))))
@@ -170,8 +170,8 @@ class _Hand:
         """Corners of the jaw's shapes in the hand, at each position: (positions, corners, 3)."""
         poses = [self._placed(q) for q in path]
         X_JW = self._simulation.pose(self._jaw).inverse()
-        corners = X_JW.apply(np.vstack([self._simulation.shape_points(geom) for geom in self._moving]))
-        return np.array([X_HJ.apply(corners) for X_HJ in poses])
+        points = X_JW.apply(np.vstack([self._simulation.shape_points(geom) for geom in self._moving]))
+        return np.array([X_HJ.apply(points) for X_HJ in poses])
 
     def _to_hand(self, p_H: Array, most: float) -> tuple[float, Array]:
         """Distance [m] of a point in the hand to the hand's shapes, and the nearest point (3,) in the hand."""

@@ -12,7 +12,7 @@ from math import pi
 import numpy as np
 
 from .primitives import Box, Capsule, Cylinder, Sphere
-from .spatial import Array, Pose, cross, dot, matrix_product, perpendicular_frame, rotated
+from .spatial import Array, Pose, corners, cross, dot, matrix_product, perpendicular_frame, rotated
 
 THINNEST = 1e-6
 """Minimum size [m] of a shape."""
@@ -22,7 +22,7 @@ _SLACK = 1e-12
 
 def box_around(points: Array) -> tuple[Box, Pose] | None:
     """The axis-aligned box of points (n, 3) [m], and its pose in their frame."""
-    low, high = points.min(axis=0), points.max(axis=0)
+    low, high = corners(points)
     if float((high - low).min()) < THINNEST:
         return None
     x, y, z = (high - low).tolist()

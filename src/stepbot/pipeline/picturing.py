@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.spatial import Array, Pose
+from stepbot.geometry.spatial import Array, Pose, corners
 from stepbot.pictures.picture import distinct_color
 from stepbot.pictures.scene import Shape, Subject, exploded, rgb, robot_subject
 from stepbot.robot.kinematics import Configuration
@@ -141,7 +141,7 @@ def _boxes(assembly: Assembly) -> Array:
     for component in reversed(assembly.components):
         if component.body >= 0 and len(assembly.bodies[component.body].mesh.vertices):
             points = component.X_WC.apply(assembly.bodies[component.body].mesh.vertices)
-            _join(boxes, component.index, np.stack((points.min(axis=0), points.max(axis=0))))
+            _join(boxes, component.index, np.stack(corners(points)))
         if component.parent >= 0:
             _join(boxes, component.parent, boxes[component.index])
     return boxes

@@ -20,7 +20,7 @@ from msgspec import Struct
 
 from stepbot.diagnostics import Finding
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.spatial import Array, Vector3, dot, matrix_product, vector3
+from stepbot.geometry.spatial import Array, Vector3, corners, dot, matrix_product, vector3
 
 OSMIUM = 22_590.0
 """Density [kg/m^3] of the densest element."""
@@ -170,6 +170,6 @@ def _excess_text(properties: MassProperties, points: Array, excess: SpreadExcess
 
 
 def _extent(points: Array) -> str:
-    low, high = 1e3 * points.min(axis=0), 1e3 * points.max(axis=0)
+    low, high = (1e3 * corner for corner in corners(points))
     ranges = (f"{axis} {a:.0f} to {b:.0f}" for axis, a, b in zip("xyz", low + 0.0, high + 0.0, strict=True))
     return ", ".join(ranges) + " mm"

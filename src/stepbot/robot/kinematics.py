@@ -29,6 +29,8 @@ WIDEST_ANGLE = pi
 """Angle [rad] to either side in which a rotating joint without limits is sampled."""
 WIDEST_TRAVEL = 1.0
 """Distance [m] to either side in which a prismatic joint without limits is sampled."""
+_SLACK = 1e-9
+"""Distance [rad] or [m] by which a position at a limit may be beyond it."""
 NO_BOUND = 1e6
 """Limits [rad] or [m] beyond this mean unlimited: formats that require a number get an unreachable one."""
 
@@ -244,9 +246,9 @@ class Tree:
         Returns:
             Angular acceleration (..., m, 3) [rad/s^2] of the links, and acceleration (..., m, 3) [m/s^2] of the points.
         """
-        a_W, p_WC = (each[..., None, :, :] for each in self._axes(X))
-        twists = (self.jacobian(X, self._child.tolist(), p_WC[..., 0, :, :]) * v[..., None, None, :]).sum(axis=-1)
-        twists = twists[..., None, :, :]
+        a_W, p_WC = self._axes(X)
+        twists = (self.jacobian(X, self._child.tolist(), p_WC) * v[..., None, None, :]).sum(axis=-1)
+        a_W, p_WC, twists = (each[..., None, :, :] for each in (a_W, p_WC, twists))
         turned = cross(twists[..., :3], a_W)  # an axis moves with the link that it is fixed to
         v_Q = (self.jacobian(X, links, p_WQ)[..., 3:, :] * v[..., None, None, :]).sum(axis=-1)
         swept = cross(turned, p_WQ[..., None, :] - p_WC) + cross(a_W, v_Q[..., None, :] - twists[..., 3:])
@@ -354,8 +356,10 @@ def rates(robot: Robot, n: int = 32, seed: int = 1) -> tuple[tuple[dict[str, flo
 
 
 def within_limits(robot: Robot, q: Configuration) -> bool:
-    """Whether every moving joint of a complete configuration is within its limits, but for 1e-9 [rad], [m]."""
-    return all(joint.limit.lower - 1e-9 <= q[joint.name] <= joint.limit.upper + 1e-9 for joint in moving_joints(robot))
+    """Whether every moving joint of a complete configuration is within its limits, but for rounding."""
+    return all(
+        joint.limit.lower - _SLACK <= q[joint.name] <= joint.limit.upper + _SLACK for joint in moving_joints(robot)
+    )
 
 
 def rigid_bodies(root: str, joints: Iterable[Joint]) -> dict[str, str]:

@@ -38,8 +38,7 @@ _DIMENSIONS = {
     "armature": (units.INERTIA, units.MASS),
 }
 """Of each field, for a joint that turns and one that slides."""
-_TURNING = {field: turning for field, (turning, _) in _DIMENSIONS.items()}
-_SLIDING = {field: sliding for field, (_, sliding) in _DIMENSIONS.items()}
+_TURNING, _SLIDING = ({field: pair[side] for field, pair in _DIMENSIONS.items()} for side in (0, 1))
 _SHARED = {
     field: dimension
     for field, dimension in _TURNING.items()

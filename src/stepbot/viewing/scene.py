@@ -14,6 +14,7 @@ import numpy as np
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import corners
 from stepbot.report.plain import Json, picked, plain
 from stepbot.report.results import Results
 from stepbot.report.robot import MASS
@@ -65,8 +66,8 @@ _FEW = 65536
 def packed(mesh: TriMesh) -> Json:
     """A mesh as JSON data: ``low`` and ``size`` [m] of its box, vertices and indices as little-endian base64."""
     vertices = mesh.vertices if len(mesh.vertices) else np.zeros((1, 3))
-    low = vertices.min(axis=0)
-    size = vertices.max(axis=0) - low
+    low, high = corners(vertices)
+    size = high - low
     steps = np.rint((vertices - low) / np.where(size > 0.0, size, 1.0) * STEPS).astype("<u2")
     # Formats such as STL repeat each vertex in every triangle; one of each makes edges known.
     keys = steps.astype(np.uint64) @ np.array([1 << 32, 1 << 16, 1], dtype=np.uint64)

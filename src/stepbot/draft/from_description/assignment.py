@@ -19,7 +19,7 @@ from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import box_gap
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, corners
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 
@@ -198,8 +198,8 @@ class _Assigning:
         for name, link in self._described.links.items():
             if len(link.points) and len(sample):
                 own = self._placement.poses[name].inverse().apply(sample)
-                low, high = link.points.min(axis=0) - _SLACK, link.points.max(axis=0) + _SLACK
-                if ((own >= low) & (own <= high)).all(axis=1).mean() >= _INSIDE:
+                low, high = corners(link.points)
+                if ((own >= low - _SLACK) & (own <= high + _SLACK)).all(axis=1).mean() >= _INSIDE:
                     found.append(name)
         return found
 

@@ -19,7 +19,7 @@ from stepbot.draft.from_description.surfaces import Surfaces, spread
 from stepbot.draft.from_description.votes import slides, translations, turns
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array, Pose
+from stepbot.geometry.spatial import Array, Pose, corners
 from stepbot.robot.kinematics import displacement
 from stepbot.robot.model import Joint, JointKind
 from stepbot.step.assembly import Assembly
@@ -123,10 +123,9 @@ class _Placing:
         if not points or not len(self._vertices):
             return
         cloud = np.concatenate(points)
-        low, high = self._vertices.min(axis=0), self._vertices.max(axis=0)
+        low, high = corners(self._vertices)
         for R in _orientations():
-            turned = cloud @ R.T
-            first, last = turned.min(axis=0), turned.max(axis=0)
+            first, last = corners(cloud @ R.T)
             if np.abs((high - low) - (last - first)).max() < _BOXES * float(np.linalg.norm(high - low)):
                 shift = 0.5 * (low + high - first - last)
                 yield self._described.root, Pose.of(R, shift), "the boxes around both are one"

@@ -180,16 +180,16 @@ class Mechanism:
             return None
         members = self._clusters.members(root)
         first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
-        is_more = any(Role.BEARING not in self._survey.parts[i].roles for i in members)
-        if is_more and len({h.through for h in self._made.evidence.joints if h.through in members}) > 1:
+        if len({h.through for h in self._made.evidence.joints if h.through in members}) > 1:
             return None  # a roller on bearings in both of its ends
         is_rod = len(joints) == 1 and self._is_rod(members, first)
         if not self._spins(members, first.axis, _SPINNING_ROD if is_rod else _SPINNER):
             return None
         balls = [j for j in others if j.evidence.type == JointKind.BALL]
-        r, is_axle = first.evidence.relation, balls and balls == others and first.axis.direction is not None
+        relation, is_line = first.evidence.relation, first.axis.direction is not None
         # A stud with balls on its axis, which turn in their sockets; a shaft in a bore with one is that of a strut.
-        if is_axle and (len(balls) > 1 or r is None or not r.shafts):
+        is_strut = len(balls) == 1 and relation is not None and bool(relation.shafts)
+        if balls and balls == others and is_line and not is_strut:
             return first if all(first.axis.distance(j.axis.point) < _SAME_CENTRE for j in others) else None
         if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis, self._off) for j in joints):
             return min(joints, key=self._hold)
@@ -237,11 +237,9 @@ class Mechanism:
             for m, j in enumerate(turning):
                 for k in turning[m + 1 :]:
                     one, two = j.other(hub), k.other(hub)
-                    if (
-                        one == two
-                        or not j.axis.same(k.axis, max(_SAME_CENTRE, self._off))
-                        or any(map(self._has_wheel, (one, two)))
-                    ):
+                    if one == two or not j.axis.same(k.axis, max(_SAME_CENTRE, self._off)):
+                        continue
+                    if self._has_wheel(one) or self._has_wheel(two):
                         continue
                     if len(of[one]) > 1 and len(of[two]) > 1:
                         continue

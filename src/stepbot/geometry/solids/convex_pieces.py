@@ -18,7 +18,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..fixed_point import distinct_rows, exact_sum
-from ..spatial import Array, dot, matrix_product
+from ..spatial import Array, corners, dot, matrix_product
 from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .manifolds import hull_faces, hull_points, hull_volume, mesh_arrays
 from .primitive_fits import RoundFace
@@ -227,9 +227,9 @@ class _Search:
         crosses = (heights.max(axis=1) > thinnest) & (heights.min(axis=1) < -thinnest)
         self._normals, self._offsets = normals[crosses], offsets[crosses]
         self._sections = piece.coarse.sections(heights[crosses])
-        corners = np.zeros(len(self._points), dtype=bool)
-        corners[hull_faces(self._points)] = True
-        self._bounds = [self._gain(section, corners | section.on) for section in self._sections]
+        is_corner = np.zeros(len(self._points), dtype=bool)
+        is_corner[hull_faces(self._points)] = True
+        self._bounds = [self._gain(section, is_corner | section.on) for section in self._sections]
 
     def best(self, least: float) -> _Cut | None:
         """The first of the cuts that gain most; any other one, or None, if all gain less than ``least`` [m^3]."""
@@ -254,7 +254,7 @@ class _Search:
 
 def _middle_cut(piece: _Piece) -> _Cut:
     """The cut across the longest axis of the bounding box, in its middle."""
-    low, high = piece.coarse.points.min(axis=0), piece.coarse.points.max(axis=0)
+    low, high = corners(piece.coarse.points)
     axis = int((high - low).round(9).argmax())
     return _Cut(0.0, Plane(np.eye(3)[axis], float(0.5 * (low + high)[axis])))
 

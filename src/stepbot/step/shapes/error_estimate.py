@@ -27,7 +27,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.predicates import is_watertight
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, corners
 from stepbot.geometry.volume import VolumeProperties
 
 from ..assembly import CERTAIN
@@ -109,9 +109,15 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
     return best
 
 
+def _middle(mesh: Stitched) -> Array:
+    """The middle (3,) [mm] of the bounding box."""
+    low, high = corners(mesh.vertices)
+    return np.asarray(0.5 * (low + high))
+
+
 def by_mesh(mesh: Stitched) -> VolumeProperties | None:
     """Mass properties of a closed mesh [mm], where the kernel's integration has no result; None without a volume."""
-    origin = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    origin = _middle(mesh)
     return properties_of(_moments(mesh, origin), origin)
 
 
@@ -147,7 +153,7 @@ def _by_meshes(shape: Any, mesh: Tessellation, candidates: list[Estimate]) -> Es
     The error of a mesh falls with the square of its angles, and with its deflection, so that two meshes give the
     limit. The first two are the existing one and a coarser one.
     """
-    origin = 0.5 * (mesh.mesh.vertices.min(axis=0) + mesh.mesh.vertices.max(axis=0))
+    origin = _middle(mesh.mesh)
     coarse = tessellated_once(shape, mesh.fineness.scaled_by_square(2.0)).mesh
     last = _moments(coarse, origin) if is_watertight(coarse.faces) else None
     current, fine, opinions = mesh.mesh, mesh.fineness, []
