@@ -79,30 +79,30 @@ def command(
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.runtime.output import check_writable
 
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with usage_errors():
-        tasks = plan(find_sidecars(sidecars, found), output, found)
+        tasks = plan(find_sidecars(sidecars, diagnostics), output, diagnostics)
     output = common_folder(output)
     if scheduler is not None:
         reject_descriptions("--scheduler", (task.sidecar for task in tasks))
     try:
         check_writable(output)
     except StepbotError as error:
-        found.extend(error.diagnostics)
-    if found.has_errors:
-        return _report(found, [], output, display)
+        diagnostics.extend(error.diagnostics)
+    if diagnostics.has_errors:
+        return _report(diagnostics, [], output, display)
     options = options._replace(output=output, formats=formats_with(options.programs, formats))
-    outcomes = _outcomes(tasks, options, jobs, scheduler, found)
-    if junit is not None and not found.has_errors:
+    outcomes = _outcomes(tasks, options, jobs, scheduler, diagnostics)
+    if junit is not None and not diagnostics.has_errors:
         from stepbot.jobs.batch.summary import suites
 
         write_junit(junit, suites(outcomes))
-    if not found.has_errors:
-        _write_overviews(output, outcomes, found, html=options.html)
-    return _report(found, outcomes, output, display)
+    if not diagnostics.has_errors:
+        _write_overviews(output, outcomes, diagnostics, html=options.html)
+    return _report(diagnostics, outcomes, output, display)
 
 
-def _write_overviews(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics, *, html: bool) -> None:
+def _write_overviews(output: Path, outcomes: "Sequence[Outcome]", diagnostics: Diagnostics, *, html: bool) -> None:
     """Write the variant sets of OpenUSD, and the page of the batch; SB004 if that is impossible."""
     from stepbot.jobs.batch.summary import write_index, write_variant_sets
 
@@ -112,11 +112,13 @@ def _write_overviews(output: Path, outcomes: "Sequence[Outcome]", found: Diagnos
             write_index(output, outcomes)
     except OSError as error:
         place = Span(str(error.filename or output))
-        found.add("SB004", f"cannot write: {error.strerror or error}", place, help=["choose another folder with -o"])
+        diagnostics.add(
+            "SB004", f"cannot write: {error.strerror or error}", place, help=["choose another folder with -o"]
+        )
 
 
 def _outcomes(
-    tasks: "Sequence[Task]", options: "Options", jobs: int | None, scheduler: str | None, found: Diagnostics
+    tasks: "Sequence[Task]", options: "Options", jobs: int | None, scheduler: str | None, diagnostics: Diagnostics
 ) -> "list[Outcome]":
     """The outcome of each robot, in the order of the tasks."""
     from stepbot.jobs.batch.runs import run_batch
@@ -126,7 +128,7 @@ def _outcomes(
         try:
             executor, at_once = stack.enter_context(_executor(scheduler, jobs, len(tasks)))
         except ClusterUnreachable as error:
-            found.add("SB009", str(error), Span("stepbot"), help=["start a scheduler with `dask scheduler`"])
+            diagnostics.add("SB009", str(error), Span("stepbot"), help=["start a scheduler with `dask scheduler`"])
             return []
         runs = run_batch(tasks, options, options.output, executor, at_once=at_once, as_bytes=scheduler is not None)
         stack.enter_context(closing(runs))
@@ -177,20 +179,20 @@ def _bar(total: int) -> Iterator[Callable[[str], None]]:
         yield advance
 
 
-def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, display: Display) -> int:
+def _report(diagnostics: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, display: Display) -> int:
     """Print the outcomes; returns the exit code."""
     from stepbot.jobs.batch.summary import batch_document
 
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
-    code = found.exit_code or int(bool(failed))
+    code = diagnostics.exit_code or int(bool(failed))
     if display.json:
-        return write_document(batch_document(outcomes), found, code)
+        return write_document(batch_document(outcomes), diagnostics, code)
     shown = outcomes and display.shows_results
     if shown:
         counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
         words = ", ".join(f"{n} {word}" for word, n in counts)
         write_result(f"{counted(len(outcomes), 'robot')} in {printable(output.as_posix())}: {words}")
-    show_diagnostics(found, display)
+    show_diagnostics(diagnostics, display)
     for outcome in failed:
         show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], display)
     if shown:

@@ -24,21 +24,21 @@ if TYPE_CHECKING:
     from stepbot.pipeline.locking import FixedSidecar
 
 
-def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> "FixedSidecar | None":
+def fix_paths(sidecar: Path, options: "Options", diagnostics: Diagnostics) -> "FixedSidecar | None":
     """Rewrite the paths of certainly renamed components in a sidecar and its lock; None where nothing was written."""
     from stepbot.pipeline.locking import fix_renamed_paths
     from stepbot.revisions import lock_path
     from stepbot.runtime.file import write_file
 
-    fixed = fix_renamed_paths(sidecar, options, found)
+    fixed = fix_renamed_paths(sidecar, options, diagnostics)
     if fixed is None:
         return None
     trouble = Diagnostics()
     write_file(sidecar, fixed.sidecar, trouble, replaces=fixed.before)
-    found.extend(trouble)
+    diagnostics.extend(trouble)
     if trouble.has_errors:
         return None
-    write_file(lock_path(sidecar), fixed.lock, found)
+    write_file(lock_path(sidecar), fixed.lock, diagnostics)
     return fixed
 
 
@@ -102,10 +102,10 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
 
     strict = options.strict
     options = options._replace(step=None if step in (None, _NAMED) else Path(str(step)), strict=False)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     checked: dict[str, Checked] = {}
     failed: set[str] = set()
-    sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
+    sidecars = tuple(find_sidecars(sidecars or (Path(),), diagnostics))
     open_step = fix or step is not None
     if open_step:
         reject_descriptions("--step" if step is not None else "--fix", sidecars)
@@ -113,7 +113,7 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
     with progress_bar([str(path) for path in sidecars] if open_step else (), options) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if fix and (fixed := fix_paths(sidecar, options, found)) is not None:
+            if fix and (fixed := fix_paths(sidecar, options, diagnostics)) is not None:
                 fixes.append(fixed)
             reported: dict[Diagnostic, list[str]] = {}
             for variant in (options.variant,) if options.variant else ("", *variants_of(sidecar)):
@@ -125,9 +125,9 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
                 failed |= {label} if of_one.has_errors else set()
                 for one in of_one:
                     reported.setdefault(one, []).append(variant)
-                found.add_ignored(of_one.ignored)
-            found.extend(_of_variants(one, variants) for one, variants in reported.items())
-    report_trouble(options.cache, found)
+                diagnostics.add_ignored(of_one.ignored)
+            diagnostics.extend(_of_variants(one, variants) for one, variants in reported.items())
+    report_trouble(options.cache, diagnostics)
     if display.json:
         from stepbot.report.words import joint_table_document
 
@@ -136,19 +136,19 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
                 "files": [path.as_posix() for path in sidecars],
                 "joint_tables": {label: joint_table_document(one.joint_table) for label, one in checked.items()},
                 **({"fixed": [_document(fixed) for fixed in fixes]} if fix else {}),
-                "ignored": len(found.ignored),
+                "ignored": len(diagnostics.ignored),
             },
-            found,
+            diagnostics,
         )
     for fixed in fixes:
         write_result(_difference(fixed))
     if display.shows_results:
         _show(checked, failed, display, open_step=open_step)
-    show_diagnostics(found, display, as_result=True)
-    if open_step and len(sidecars) == 1 and not (found.has_errors or display != Display()):
+    show_diagnostics(diagnostics, display, as_result=True)
+    if open_step and len(sidecars) == 1 and not (diagnostics.has_errors or display != Display()):
         path = shlex.quote(sidecars[0].as_posix())
         write_result(f"joints, each with its axis and faces: -v    next: stepbot convert {printable(path)}")
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _document(fixed: "FixedSidecar") -> dict[str, Any]:

@@ -56,25 +56,25 @@ def command(options: "Options", target: Path, samples: int | None, srdf: Path | 
     from stepbot.report.robot import self_collision_document
     from stepbot.runtime.file import write_file
 
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with progress_bar(("read", "self-collision"), options) as progress:
         progress("read")
-        robot = search(target, samples, options, found, progress)
+        robot = search(target, samples, options, diagnostics, progress)
     if options.strict:
-        found.make_strict()
-    if robot is not None and robot.self_collision is not None and srdf is not None and not found.has_errors:
+        diagnostics.make_strict()
+    if robot is not None and robot.self_collision is not None and srdf is not None and not diagnostics.has_errors:
         content = srdf_of(robot.name, robot.self_collision, robot.source, excluded=robot.excluded_contacts)
-        write_file(srdf, content, found)
-    report_trouble(options.cache, found)
+        write_file(srdf, content, diagnostics)
+    report_trouble(options.cache, diagnostics)
     searched = None if robot is None else robot.self_collision
     if display.json:
         pairs: dict[str, Any] | None = None if searched is None else self_collision_document(searched)
         name = None if robot is None else robot.name
-        return write_document({"robot": name, "self_collision": pairs}, found)
-    show_diagnostics_of_use(found, display)
+        return write_document({"robot": name, "self_collision": pairs}, diagnostics)
+    show_diagnostics_of_use(diagnostics, display)
     if robot is not None and searched is not None and display.shows_results:
         write_result("\n".join(_lines(robot.name, searched, verbose=display.verbose)))
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _lines(name: str, searched: "SelfCollision", *, verbose: bool) -> Iterator[str]:

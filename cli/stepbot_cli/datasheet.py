@@ -38,24 +38,24 @@ def command(options: "Options", target: Path, display: Display) -> int:
     from stepbot.pipeline.collisions import robot_of
     from stepbot.robot.datasheet import data_sheet
 
-    found = Diagnostics()
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    diagnostics = Diagnostics()
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     sheet: DataSheet | None = None
     try:
-        read = robot_of(target, options, found)
+        read = robot_of(target, options, diagnostics)
         sheet = None if read is None else data_sheet(read[0])
     except StepbotError as error:
-        found.extend(error.diagnostics)
-    report_trouble(options.cache, found)
+        diagnostics.extend(error.diagnostics)
+    report_trouble(options.cache, diagnostics)
     if display.json:
         from stepbot.report.plain import plain
 
         content = None if sheet is None else plain(sheet)
-        return write_document({"datasheet": content}, found)
-    show_diagnostics_of_use(found, display)
+        return write_document({"datasheet": content}, diagnostics)
+    show_diagnostics_of_use(diagnostics, display)
     if sheet is not None:
         write_result(printable("\n".join(_page(sheet))))
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _page(sheet: "DataSheet") -> Iterator[str]:

@@ -62,22 +62,22 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, display: D
     that they describe, variants included: links, joints, limits, masses, frames. Robot files are compared as engines
     load them.
     """
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     kind = _kind(old, new)
     with progress_bar(("read",), options) as progress:
         progress("read")
-        differences = _compared(kind, old, new, options, found)
-    report_trouble(options.cache, found)
-    exit_code = _exit_code(differences, found)
+        differences = _compared(kind, old, new, options, diagnostics)
+    report_trouble(options.cache, diagnostics)
+    exit_code = _exit_code(differences, diagnostics)
     if display.json:
         rows = [] if differences is None else [_record(row) for row in map(asdict, differences.rows)]
         document = {"kind": kind, "old": old.as_posix(), "new": new.as_posix(), "differences": rows}
-        return write_document(document, found, exit_code)
+        return write_document(document, diagnostics, exit_code)
     if display.machine:
-        found.extend(_annotation(row, new) for row in (differences.rows if differences is not None else ()))
-        show_diagnostics(found, display)
+        diagnostics.extend(_annotation(row, new) for row in (differences.rows if differences is not None else ()))
+        show_diagnostics(diagnostics, display)
         return exit_code
-    show_diagnostics(found, display)
+    show_diagnostics(diagnostics, display)
     if differences is not None and markdown:
         write_result(_markdown(differences))
     elif differences is not None and not display.quiet:
@@ -105,8 +105,8 @@ def _markdown(differences: "Differences") -> str:
     return "\n".join(lines)
 
 
-def _exit_code(differences: "Differences | None", found: Diagnostics) -> int:
-    if differences is None or found.has_errors:
+def _exit_code(differences: "Differences | None", diagnostics: Diagnostics) -> int:
+    if differences is None or diagnostics.has_errors:
         return COULD_NOT_RUN
     if differences.rows:
         return DIFFERENT
@@ -127,15 +127,15 @@ def _kind(old: Path, new: Path) -> str:
     return kinds[0] if kinds else "robot"
 
 
-def _compared(kind: str, old: Path, new: Path, options: "Options", found: Diagnostics) -> "Differences | None":
+def _compared(kind: str, old: Path, new: Path, options: "Options", diagnostics: Diagnostics) -> "Differences | None":
     from stepbot.pipeline.differences import differing_robots, differing_sidecars, differing_steps, robot_files
 
     if kind == "step":
-        return differing_steps(old, new, options, found)
+        return differing_steps(old, new, options, diagnostics)
     if kind == "sidecar":
-        return differing_sidecars(old, new, options, found)
-    files = robot_files(old, new, found)
-    return None if files is None else differing_robots(*files, options, found)
+        return differing_sidecars(old, new, options, diagnostics)
+    files = robot_files(old, new, diagnostics)
+    return None if files is None else differing_robots(*files, options, diagnostics)
 
 
 def _record(row: dict[str, Any]) -> dict[str, Any]:

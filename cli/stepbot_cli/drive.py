@@ -147,10 +147,10 @@ def command(
 
         require_plots()
     chosen = DriveOptions(_known(tests, TESTS, "test"), _known(engines, ENGINES, "engine"), limits)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with progress_bar(("read", "build", "write", "drive"), options) as progress:
-        driven = drive(target, options, chosen, found, progress)
-    report_trouble(options.cache, found)
+        driven = drive(target, options, chosen, diagnostics, progress)
+    report_trouble(options.cache, diagnostics)
     drawn: list[str] = []
     if driven is not None and plots is not None:
         from stepbot.driving.plots import draw
@@ -160,8 +160,8 @@ def command(
         from stepbot.driving.document import driven_document
 
         document = driven_document(driven) if driven is not None else _NOTHING
-        return write_document({**document, "plots": drawn}, found)
+        return write_document({**document, "plots": drawn}, diagnostics)
     if driven is not None and display.shows_results:
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
-    show_diagnostics_of_use(found, display)
-    return found.exit_code
+    show_diagnostics_of_use(diagnostics, display)
+    return diagnostics.exit_code

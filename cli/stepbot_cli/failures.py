@@ -44,28 +44,28 @@ def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
         return 2
     context = error.ctx if isinstance(error, click.UsageError) else None
     command = context.command_path if context is not None else "stepbot"
-    found = Diagnostics()
-    found.add("SB010", error.format_message(), Span(command), help=[f"`{command} --help`"])
-    write_document({}, found)
-    return found.exit_code
+    diagnostics = Diagnostics()
+    diagnostics.add("SB010", error.format_message(), Span(command), help=[f"`{command} --help`"])
+    write_document({}, diagnostics)
+    return diagnostics.exit_code
 
 
 def show_full_output(error: Exception) -> ExitCode:
     """Report that results could not be printed; returns the exit code."""
     discard(sys.stdout)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
     help = ["the command has run; repeat it with another standard output for its results"]
-    found.add("SB004", f"cannot write to standard output: {reason}", Span("stepbot"), help=help)
-    show_diagnostics(found)
-    return found.exit_code
+    diagnostics.add("SB004", f"cannot write to standard output: {reason}", Span("stepbot"), help=help)
+    show_diagnostics(diagnostics)
+    return diagnostics.exit_code
 
 
-def _add_internal_error(error: Exception, found: Diagnostics) -> None:
+def _add_internal_error(error: Exception, diagnostics: Diagnostics) -> None:
     frames = traceback.extract_tb(error.__traceback__)
     place = [f"in {frames[-1].name}, line {frames[-1].lineno} of {_file_name(frames[-1].filename)}"] if frames else []
     first_line = (str(error).splitlines() or [""])[0]
-    found.add(
+    diagnostics.add(
         "SB901",
         f"internal error: {type(error).__name__}: {first_line}".rstrip(": "),
         Span("stepbot"),

@@ -327,11 +327,11 @@ def command(
     if interactive and display.json:
         raise click.UsageError("--interactive and --json cannot be combined")
     sidecar = output or step.parent / starter_name(step)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     if exists(sidecar) and not force:
         help = ["write another file with -o, or overwrite it with --force"]
-        found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
-        return _show_result(None, "", sidecar, step, found, display)
+        diagnostics.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
+        return _show_result(None, "", sidecar, step, diagnostics, display)
     answers = _answers(answers_file or sidecar)
     with ExitStack() as bar:
         progress = bar.enter_context(progress_bar(("read", "joints", "stops"), options))
@@ -341,13 +341,13 @@ def command(
             return asked(draft, dialogue)
 
         drafting = draft_step(step, options, description, ask if interactive else None, answers, progress)
-    found.extend(drafting.diagnostics)
+    diagnostics.extend(drafting.diagnostics)
     draft, text = drafting.draft, ""
     if draft is not None:
         draft = replace(draft, robot=default_output(sidecar).name)
-        text = write_draft(draft, sidecar, step, options.encoding, found)
-    report_trouble(options.cache, found)
-    return _show_result(draft, text, sidecar, step, found, display)
+        text = write_draft(draft, sidecar, step, options.encoding, diagnostics)
+    report_trouble(options.cache, diagnostics)
+    return _show_result(draft, text, sidecar, step, diagnostics, display)
 
 
 def _answers(file: Path) -> dict[str, str]:
@@ -366,15 +366,15 @@ def _answers(file: Path) -> dict[str, str]:
 
 
 def _show_result(
-    draft: "Draft | None", text: str, sidecar: Path, step: Path, found: Diagnostics, display: Display
+    draft: "Draft | None", text: str, sidecar: Path, step: Path, diagnostics: Diagnostics, display: Display
 ) -> int:
     """Print a draft and what to do next; ``text`` is the sidecar as written."""
     if display.json:
         document: dict[str, Any] = {"step": step.as_posix(), "sidecar": sidecar.as_posix()}
         if draft is not None:
-            document |= {"written": not found.has_errors, **draft_document(draft, text)}
-        return write_document(document, found)
-    if draft is not None and not found.has_errors and display.shows_results:
+            document |= {"written": not diagnostics.has_errors, **draft_document(draft, text)}
+        return write_document(document, diagnostics)
+    if draft is not None and not diagnostics.has_errors and display.shows_results:
         write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
-    show_diagnostics(found, display)
-    return found.exit_code
+    show_diagnostics(diagnostics, display)
+    return diagnostics.exit_code

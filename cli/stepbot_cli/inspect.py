@@ -111,7 +111,7 @@ def command(
 
 
 def _exploded_view(
-    assembly: "Assembly", choice: "Choice", folded: bool, path: Path, found: "Diagnostics"
+    assembly: "Assembly", choice: "Choice", folded: bool, path: Path, diagnostics: "Diagnostics"
 ) -> "Picture | None":
     """Draw and write the exploded view; None after an error."""
     from stepbot.diagnostics import Span
@@ -125,10 +125,10 @@ def _exploded_view(
     try:
         picture = draw(assembly_subject(assembly, labels, apart=_APART), Sheet(labels=True))
     except NothingToDraw as error:
-        found.add("SB020", str(error), Span(assembly.source))
+        diagnostics.add("SB020", str(error), Span(assembly.source))
         return None
-    write_picture(path, picture, found)
-    return None if found.has_errors else picture
+    write_picture(path, picture, diagnostics)
+    return None if diagnostics.has_errors else picture
 
 
 def _document(inspection: "Inspection", between: tuple[str, str] | None, features: bool) -> dict[str, Any]:

@@ -105,31 +105,31 @@ def export(
 
 def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int:
     """Write the drawing, the sidecar and its schema; if a different file of such a name exists, nothing is written."""
-    files, found = robot.source(), Diagnostics()
+    files, diagnostics = robot.source(), Diagnostics()
     help = ["choose another folder with -o DIR"]
     for name, content in files.items():
         path = folder / name
         old = read_regular(path) if is_file(path) else None
         is_schema = old is not None and _SCHEMA_ID in old and _SCHEMA_ID in content  # of another version of stepbot
         if exists(path) and old != content and not is_schema:
-            found.add("SB004", "a different file with this name exists", Span(path.as_posix()), help=help)
-    if not found.has_errors:
+            diagnostics.add("SB004", "a different file with this name exists", Span(path.as_posix()), help=help)
+    if not diagnostics.has_errors:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name, content in files.items():
                 replace_file(folder / name, content)
         except OSError as error:
             message, place = f"cannot write: {error.strerror or error}", Span(str(error.filename or folder))
-            found.add("SB004", message, place, help=help)
+            diagnostics.add("SB004", message, place, help=help)
     if display.json:
-        written = [] if found.has_errors else sorted(files)
-        return write_document({"output": folder.as_posix(), "files": written}, found)
-    if found.has_errors:
-        show_diagnostics(found, display)
+        written = [] if diagnostics.has_errors else sorted(files)
+        return write_document({"output": folder.as_posix(), "files": written}, diagnostics)
+    if diagnostics.has_errors:
+        show_diagnostics(diagnostics, display)
     else:
         write_result("\n".join((folder / name).as_posix() for name in files))
         write_result(f"next: stepbot view {shlex.quote((folder / robot.sidecar.name).as_posix())}")
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _found(name: str) -> "LibraryRobot":

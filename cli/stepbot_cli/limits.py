@@ -154,6 +154,6 @@ def _within_memory(size: int) -> Iterator[None]:
 
 
 def _exceeded(reason: str, help: str) -> StepbotError:
-    found = Diagnostics()
-    found.add("SB902", f"stepbot itself was stopped: {reason}", Span("stepbot"), help=[help])
-    return StepbotError(found)
+    diagnostics = Diagnostics()
+    diagnostics.add("SB902", f"stepbot itself was stopped: {reason}", Span("stepbot"), help=[help])
+    return StepbotError(diagnostics)

@@ -41,33 +41,33 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: Path | None, d
     from stepbot.runtime.file import write_file
 
     options = options._replace(step=step)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     written: dict[Path, Snapshot] = {}
-    named = list(without_lists(sidecars or (Path(),), found))
+    named = list(without_lists(sidecars or (Path(),), diagnostics))
     _reject_whole_disks(named)
-    paths = find_sidecars(named, found)
+    paths = find_sidecars(named, diagnostics)
     reject_descriptions("lock", paths)
     with progress_bar([str(path) for path in paths], options) as progress:
         for sidecar in paths:
             progress(str(sidecar))
-            for path, locked in make_locks(sidecar, options, found, written).items():
+            for path, locked in make_locks(sidecar, options, diagnostics, written).items():
                 writing = Diagnostics()
                 write_file(path, lock_bytes(locked), writing)
                 if not writing.has_errors:
                     written[path] = locked
-                found.extend(writing)
-    report_trouble(options.cache, found)
+                diagnostics.extend(writing)
+    report_trouble(options.cache, diagnostics)
     if display.json:
         files = [{"lock": path.as_posix(), **_counts(taken)} for path, taken in written.items()]
-        return write_document({"files": files}, found)
-    show_diagnostics(found, display)
+        return write_document({"files": files}, diagnostics)
+    show_diagnostics(diagnostics, display)
     if display.shows_results:
         for path, taken in written.items():
             words = ", ".join(counted(number, noun.removesuffix("s")) for noun, number in _counts(taken).items())
             write_result(printable(f"{path.as_posix()}: {words} of {taken.source}"))
-        if not (written or found.has_errors):
+        if not (written or diagnostics.has_errors):
             write_result("nothing to lock: composed of modules without sidecars of their own, or of the library")
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _reject_whole_disks(named: Iterable[Path]) -> None:

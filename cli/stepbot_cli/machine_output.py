@@ -34,8 +34,8 @@ def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
     from stepbot.report.document import junit_bytes
     from stepbot.runtime.file import write_file
 
-    write_file(path, junit_bytes(suites), found := Diagnostics())
-    found.raise_if_errors()
+    write_file(path, junit_bytes(suites), diagnostics := Diagnostics())
+    diagnostics.raise_if_errors()
 
 
 _GITHUB = {"error": "error", "warning": "warning", "note": "notice"}
@@ -45,15 +45,15 @@ _IN_PROPERTY = _IN_MESSAGE | str.maketrans({":": "%3A", ",": "%2C"})
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
-def github(found: Iterable[Diagnostic]) -> str:
+def github(diagnostics: Iterable[Diagnostic]) -> str:
     """Commands of a workflow, one a line, which GitHub shows at the lines of a pull request.
 
     https://docs.github.com/en/actions/reference/workflow-commands-for-github-actions
     """
-    return "\n".join(map(_command, found))
+    return "\n".join(map(_command, diagnostics))
 
 
-def gitlab(found: Iterable[Diagnostic]) -> str:
+def gitlab(diagnostics: Iterable[Diagnostic]) -> str:
     """A report of code quality: https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format."""
     issues = [
         {
@@ -63,14 +63,14 @@ def gitlab(found: Iterable[Diagnostic]) -> str:
             "severity": _GITLAB[one.severity],
             "location": {"path": _path(one), "lines": {"begin": max(one.span.line, 1)}},
         }
-        for one, fingerprint in _fingerprints(found)
+        for one, fingerprint in _fingerprints(diagnostics)
     ]
     return json.dumps(issues, indent=2, ensure_ascii=False)
 
 
-def sarif(found: Iterable[Diagnostic]) -> str:
+def sarif(diagnostics: Iterable[Diagnostic]) -> str:
     """A log of static analysis, version 2.1.0: https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html."""
-    listed = list(found)
+    listed = list(diagnostics)
     rules = [
         {
             "id": code,
@@ -156,10 +156,10 @@ def _location(one: Diagnostic) -> dict[str, Any]:
     return {"artifactLocation": artifact, **({"region": region} if region else {})}
 
 
-def _fingerprints(found: Iterable[Diagnostic]) -> Iterator[tuple[Diagnostic, str]]:
+def _fingerprints(diagnostics: Iterable[Diagnostic]) -> Iterator[tuple[Diagnostic, str]]:
     """Each diagnostic with a hash that stays the same when its line moves, and is its own in the report."""
     seen: Counter[tuple[str, str, str]] = Counter()
-    for one in found:
+    for one in diagnostics:
         what = (_path(one), one.code, one.message)
         seen[what] += 1
         yield one, hashlib.sha256("\n".join((*what, str(seen[what]))).encode()).hexdigest()

@@ -31,13 +31,13 @@ def command(name: str | None, own: Path | None, as_json: bool) -> int:
     from stepbot.sidecar.fitting import read_own_motors
     from stepbot.sidecar.motors import catalogue_motor, catalogue_names
 
-    found = Diagnostics()
-    mine = read_own_motors(own, found) if own is not None else {}
-    if mine is None or found.has_errors:
+    diagnostics = Diagnostics()
+    mine = read_own_motors(own, diagnostics) if own is not None else {}
+    if mine is None or diagnostics.has_errors:
         if as_json:
-            return write_document({"motors": {}}, found)
-        show_diagnostics(found)
-        return found.exit_code
+            return write_document({"motors": {}}, diagnostics)
+        show_diagnostics(diagnostics)
+        return diagnostics.exit_code
     if name is None:
         shown = {**mine, **{one: catalogue_motor(one) for one in catalogue_names() if one not in mine}}
     else:

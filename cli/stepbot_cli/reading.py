@@ -63,10 +63,10 @@ def opened(folder: Path | None) -> Cache:
     return Cache(folder or default_folder(), limit)
 
 
-def report_trouble(cache: Cache | None, found: Diagnostics) -> None:
+def report_trouble(cache: Cache | None, diagnostics: Diagnostics) -> None:
     """Add a note if results could not be cached."""
     if cache is not None and cache.trouble:
-        found.add("SB006", cache.trouble, Span("stepbot"), help=["choose another folder with `--cache DIR`"])
+        diagnostics.add("SB006", cache.trouble, Span("stepbot"), help=["choose another folder with `--cache DIR`"])
 
 
 require_option = names_option(

@@ -48,7 +48,7 @@ def require_plots() -> None:
     import_module(PACKAGE)
 
 
-def write_picture(path: Path, picture: "Picture", found: Diagnostics) -> None:
+def write_picture(path: Path, picture: "Picture", diagnostics: Diagnostics) -> None:
     """Write a PNG file; SB004 if that is impossible."""
     from stepbot.pictures.picture import png_bytes
 
@@ -57,7 +57,7 @@ def write_picture(path: Path, picture: "Picture", found: Diagnostics) -> None:
         replace_file(path, png_bytes(picture.pixels))
     except OSError as error:
         help = ["choose another file with -o"]
-        found.add("SB004", f"cannot write: {error.strerror or error}", Span(path.as_posix()), help=help)
+        diagnostics.add("SB004", f"cannot write: {error.strerror or error}", Span(path.as_posix()), help=help)
 
 
 def picture_lines(path: Path, picture: "Picture", labels: bool) -> list[str]:
@@ -236,34 +236,41 @@ def command(
     require_packages()
     path = output or Path(target.name.removesuffix(target.suffix).removesuffix(".robot") + ".png")
     sheet = Sheet(*size, samples=samples, view=view, labels=labels)
-    found, picture = Diagnostics(), None
+    diagnostics, picture = Diagnostics(), None
     with progress_bar(("read", "build", "render"), options) as progress:
-        subject, positions = _subject(target, options, joints, module, found, progress)
+        subject, positions = _subject(target, options, joints, module, diagnostics, progress)
         progress("render")
         try:
             picture = draw(subject, sheet) if subject is not None else None
         except NothingToDraw as error:
-            found.add("SB020", str(error), Span(target.as_posix()), help=["see `stepbot inspect` for what it contains"])
+            diagnostics.add(
+                "SB020", str(error), Span(target.as_posix()), help=["see `stepbot inspect` for what it contains"]
+            )
     if picture is not None:
-        write_picture(path, picture, found)
-    return _report(path, sheet, picture, positions, found, options, display)
+        write_picture(path, picture, diagnostics)
+    return _report(path, sheet, picture, positions, diagnostics, options, display)
 
 
 def _subject(
-    target: Path, options: "Options", joints: tuple[str, ...], module: str | None, found: Diagnostics, progress: Any
+    target: Path,
+    options: "Options",
+    joints: tuple[str, ...],
+    module: str | None,
+    diagnostics: Diagnostics,
+    progress: Any,
 ) -> tuple["Subject | None", dict[str, str]]:
     """What to draw, and the positions of the joints in words; None after errors."""
     from stepbot.pipeline.picturing import assembly_to_draw, robot_to_draw
     from stepbot.robot.step_names import is_step_name
 
     if not is_step_name(target.name):
-        return _robot_subject(robot_to_draw(target, options, found, progress), joints, module)
+        return _robot_subject(robot_to_draw(target, options, diagnostics, progress), joints, module)
     if module is not None:
         raise click.BadParameter("a STEP file has no modules; give a sidecar", param_hint="--module")
     if joints:
         raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint=_HINT)
     progress("read")
-    return assembly_to_draw(target, options, found), {}
+    return assembly_to_draw(target, options, diagnostics), {}
 
 
 def _robot_subject(
@@ -299,12 +306,12 @@ def _report(
     sheet: "Sheet",
     picture: "Picture | None",
     positions: dict[str, str],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     options: "Options",
     display: Display,
 ) -> int:
-    report_trouble(options.cache, found)
-    written = picture is not None and not found.has_errors
+    report_trouble(options.cache, diagnostics)
+    written = picture is not None and not diagnostics.has_errors
     if display.json:
         document = {
             "file": path.as_posix() if written else None,
@@ -314,8 +321,8 @@ def _report(
             "hidden": [] if picture is None else list(picture.hidden),
             "unlabelled": [] if picture is None else list(picture.unlabelled),
         }
-        return write_document(document, found)
-    show_diagnostics_of_use(found, display)
+        return write_document(document, diagnostics)
+    show_diagnostics_of_use(diagnostics, display)
     if picture is not None and written and not display.quiet:
         write_result("\n".join(picture_lines(path, picture, sheet.labels)))
-    return found.exit_code
+    return diagnostics.exit_code

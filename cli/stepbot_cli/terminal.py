@@ -59,10 +59,10 @@ def write_json(document: Mapping[str, Any]) -> None:
     write_result("\n".join(map(_printable, indented(document, _plain).split("\n"))))
 
 
-def write_document(document: Mapping[str, Any], found: Diagnostics, exit_code: int | None = None) -> int:
+def write_document(document: Mapping[str, Any], diagnostics: Diagnostics, exit_code: int | None = None) -> int:
     """Print the results of a command as JSON, with its diagnostics and the exit code, by default theirs; returns it."""
-    code = found.exit_code if exit_code is None else exit_code
-    write_json({**document, "diagnostics": found, "exit_code": code})
+    code = diagnostics.exit_code if exit_code is None else exit_code
+    write_json({**document, "diagnostics": diagnostics, "exit_code": code})
     return code
 
 
@@ -93,39 +93,43 @@ class Display(NamedTuple):
 _DEFAULT = Display()
 
 
-def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *, as_result: bool = False) -> None:
+def show_diagnostics(
+    diagnostics: Iterable[Diagnostic], display: Display = _DEFAULT, *, as_result: bool = False
+) -> None:
     """Print diagnostics and their numbers, to standard output if they are the command's result."""
-    diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]
+    shown = [one for one in diagnostics if not (display.quiet and one.severity == "note")]
     if display.machine:
         from .machine_output import FORMATS
 
-        _write(sys.stdout, FORMATS[display.machine](diagnostics))
+        _write(sys.stdout, FORMATS[display.machine](shown))
         return
-    ignored = len(found.ignored) if isinstance(found, Diagnostics) and display.shows_results else 0
-    if not diagnostics and not ignored:
+    ignored = len(diagnostics.ignored) if isinstance(diagnostics, Diagnostics) and display.shows_results else 0
+    if not shown and not ignored:
         return
     stream = sys.stdout if as_result else sys.stderr
     color = wants_color(stream)
     width = screen_width(stream)
     if display.concise:
-        _write(stream, diagnostic_text.concise(diagnostics, color=color))
+        _write(stream, diagnostic_text.concise(shown, color=color))
         return
     if display.verbose:
-        text = diagnostic_text.full(diagnostics, color=color, width=width or diagnostic_text.FRAME_WIDTH)
-        _write(stream, "\n\n".join(filter(None, (text, diagnostic_text.summary(diagnostics, ignored=ignored)))))
+        text = diagnostic_text.full(shown, color=color, width=width or diagnostic_text.FRAME_WIDTH)
+        _write(stream, "\n\n".join(filter(None, (text, diagnostic_text.summary(shown, ignored=ignored)))))
         return
     counts = not display.quiet
-    _write(stream, diagnostic_text.screen(diagnostics, ignored=ignored, color=color, width=width, counts=counts))
+    _write(stream, diagnostic_text.screen(shown, ignored=ignored, color=color, width=width, counts=counts))
 
 
-def show_diagnostics_of_use(found: Diagnostics, display: Display) -> None:
+def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display) -> None:
     """Print diagnostics of a command that builds a robot to use it.
 
     Notes about sidecar, STEP file and robot are those of ``check`` and ``convert``; only ``--verbose`` repeats them.
     """
     shown = Diagnostics()
-    shown.extend(one for one in found if display.verbose or one.severity != "note" or not _is_of_conversion(one.code))
-    shown.add_ignored(found.ignored)
+    shown.extend(
+        one for one in diagnostics if display.verbose or one.severity != "note" or not _is_of_conversion(one.code)
+    )
+    shown.add_ignored(diagnostics.ignored)
     show_diagnostics(shown, display)
 
 

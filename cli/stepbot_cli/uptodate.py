@@ -71,8 +71,8 @@ def command(
 
     formats = formats_with(options.programs, formats)
     options = options._replace(formats=formats, package=package_name(package, ros2, formats), ros2=bool(ros2))
-    found = Diagnostics()
-    paths = find_sidecars(sidecars or (Path(),), found)
+    diagnostics = Diagnostics()
+    paths = find_sidecars(sidecars or (Path(),), diagnostics)
     filled = output_folders(Path()) if output is None else {}
     compared = 0
     with progress_bar(options=options) as progress:
@@ -84,15 +84,15 @@ def command(
             for folder, variant in folders:
                 model = model_of(folder, formats) if gazebo else ""
                 asked = options._replace(output=folder, gazebo=model, variant=variant)
-                check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
+                check_up_to_date(path, asked, diagnostics, exclude=exclude, progress=progress)
                 compared += 1
-    report_trouble(options.cache, found)
+    report_trouble(options.cache, diagnostics)
     if display.json:
-        return write_document({"files": [path.as_posix() for path in paths]}, found)
-    show_diagnostics(found, display, as_result=True)
-    if display.shows_results and not found.has_errors:
+        return write_document({"files": [path.as_posix() for path in paths]}, diagnostics)
+    show_diagnostics(diagnostics, display, as_result=True)
+    if display.shows_results and not diagnostics.has_errors:
         write_result(f"ok: {counted(compared, 'output folder')} up to date")
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _folder(template: str, name: str, sidecar: Path) -> Path:

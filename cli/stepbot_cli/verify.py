@@ -48,26 +48,26 @@ def command(
     from stepbot.verification.files import verify_files
 
     files = tuple(one for path in files for one in robot_files(path))
-    found = Diagnostics()
-    found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
+    diagnostics = Diagnostics()
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     with progress_bar(("verify",)) as progress:
         progress("verify")
         workers = Workers(timeout, memory_limit)
-        report = verify_files(files, found, require=require, workers=workers, packages=package_path, xacro=xacro)
+        report = verify_files(files, diagnostics, require=require, workers=workers, packages=package_path, xacro=xacro)
     if strict:
-        found.make_strict()
-    document = report_document(report, found)
+        diagnostics.make_strict()
+    document = report_document(report, diagnostics)
     if junit is not None:
-        write_junit(junit, [Suite(files[0].stem, document["checks"], tuple(found), whole="verification")])
+        write_junit(junit, [Suite(files[0].stem, document["checks"], tuple(diagnostics), whole="verification")])
     if display.json:
-        return write_document({"report": document}, found)
+        return write_document({"report": document}, diagnostics)
     shown = report.checks and display.shows_results
     if shown:
         write_filled(*compared_words(report, files))
         if display.verbose:
             show_joint_rows(report.joint_table)
             show_table(report)
-    show_diagnostics(found, display)
+    show_diagnostics(diagnostics, display)
     if shown and not display.verbose:
         write_result("joints, engines and deviations: -v; every check: --json")
-    return found.exit_code
+    return diagnostics.exit_code

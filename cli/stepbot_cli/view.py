@@ -59,19 +59,19 @@ def command(options: "Options", target: Path, edit: bool, no_open: bool, port: i
     from stepbot.serving.session import Session
     from stepbot.serving.watching import Prover, follow
 
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     drafted = ""
     if edit:
-        target, drafted = _editable(target, options, found)
-        _check_writable(target, found)
-    if found.has_errors:
-        return _announce(found, "", display)
+        target, drafted = _editable(target, options, diagnostics)
+        _check_writable(target, diagnostics)
+    if diagnostics.has_errors:
+        return _announce(diagnostics, "", display)
     try:
         output = default_output(target, options.variant)
         session = Session(target, options._replace(output=output), port=port, edits=edit)
     except OSError as error:
-        found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
-        return _announce(found, "", display)
+        diagnostics.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
+        return _announce(diagnostics, "", display)
     is_served = False
     try:
         with ExitStack() as running:
@@ -82,12 +82,12 @@ def command(options: "Options", target: Path, edit: bool, no_open: bool, port: i
             with progress_bar(("read",)) as progress:
                 progress("read")
                 shown = session.load()
-            found.extend(shown.diagnostics)
-            report_trouble(options.cache, found)
+            diagnostics.extend(shown.diagnostics)
+            report_trouble(options.cache, diagnostics)
             if shown.scene is None:
-                return _announce(found, "", display)
+                return _announce(diagnostics, "", display)
             session.server.start()
-            _announce(found, session.server.url, display, drafted)
+            _announce(diagnostics, session.server.url, display, drafted)
             is_served = True
             if not no_open:
                 webbrowser.open(session.server.url)
@@ -107,7 +107,7 @@ def command(options: "Options", target: Path, edit: bool, no_open: bool, port: i
     return 0
 
 
-def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Path, str]:
+def _editable(target: Path, options: "Options", diagnostics: Diagnostics) -> tuple[Path, str]:
     """The sidecar to edit: the target, or the one beside a STEP file or a description; and whether it was made."""
     from stepbot.pipeline.conversion import is_description
     from stepbot.pipeline.drafting import draft_step, write_draft
@@ -128,42 +128,42 @@ def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Pat
         return sidecar, ""
     if not of_step:
         if not exists(target):
-            report_missing(target, found)
+            report_missing(target, diagnostics)
             return sidecar, ""
-        write_file(sidecar, description_starter(target).encode(), found)
+        write_file(sidecar, description_starter(target).encode(), diagnostics)
         return sidecar, f"wrote {printable(sidecar.as_posix())}, which changes {printable(target.name)}"
     with progress_bar(("draft",)) as progress:
         progress("draft")
         drafting = draft_step(target, options)
-    found.extend(drafting.diagnostics)
-    if drafting.draft is not None and not found.has_errors:
+    diagnostics.extend(drafting.diagnostics)
+    if drafting.draft is not None and not diagnostics.has_errors:
         draft = replace(drafting.draft, robot=default_output(sidecar).name)
-        write_draft(draft, sidecar, target, options.encoding, found)
+        write_draft(draft, sidecar, target, options.encoding, diagnostics)
     return sidecar, f"wrote {printable(sidecar.as_posix())}, as `stepbot init` does"
 
 
-def _check_writable(sidecar: Path, found: Diagnostics) -> None:
+def _check_writable(sidecar: Path, diagnostics: Diagnostics) -> None:
     """Report in advance that no edit could be written."""
     from stepbot.runtime.output import check_writable
 
     try:
         check_writable(sidecar.parent)
     except StepbotError as error:
-        found.extend(
+        diagnostics.extend(
             one._replace(help=("copy the files to a folder that you can write to",)) for one in error.diagnostics
         )
 
 
-def _announce(found: Diagnostics, url: str, display: Display, drafted: str = "") -> int:
+def _announce(diagnostics: Diagnostics, url: str, display: Display, drafted: str = "") -> int:
     """Print diagnostics and the address of the page; returns the exit code.
 
     Of a page that opens, warnings and notes are only counted: it lists them, each beside its place.
     """
     if display.json:
-        return write_document({"url": url}, found)
-    listed = [one for one in found if one.severity != "error"] if url and not display.verbose else []
-    show_diagnostics([one for one in found if one not in listed] if listed else found, display)
+        return write_document({"url": url}, diagnostics)
+    listed = [one for one in diagnostics if one.severity != "error"] if url and not display.verbose else []
+    show_diagnostics([one for one in diagnostics if one not in listed] if listed else diagnostics, display)
     counted = f"{summary(listed, explain=False)} in the page, under Findings" if listed and not display.quiet else ""
     for line in filter(None, (drafted, counted, url)):
         write_result(line)
-    return found.exit_code
+    return diagnostics.exit_code

@@ -47,13 +47,13 @@ def command(
     from stepbot.pipeline.prestart import warm_processes
     from stepbot.serving import watching
 
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     if not watching.can_watch():
-        found.add("SB003", "watchfiles is not installed", Span("stepbot"))
-        return _refuse(found, display)
-    sessions = _sessions(sidecars, output, options, found)
-    if found.has_errors:
-        return _refuse(found, display)
+        diagnostics.add("SB003", "watchfiles is not installed", Span("stepbot"))
+        return _refuse(diagnostics, display)
+    sessions = _sessions(sidecars, output, options, diagnostics)
+    if diagnostics.has_errors:
+        return _refuse(diagnostics, display)
 
     def changed(session: "Session", shown: "Shown") -> None:
         show_diagnostics(shown.diagnostics, display)
@@ -78,10 +78,10 @@ def command(
             with progress_bar([str(session.target) for session in sessions]) as progress:
                 for session in sessions:
                     progress(str(session.target))
-                    found.extend(session.load().diagnostics)
+                    diagnostics.extend(session.load().diagnostics)
                     session.server.start()
-            report_trouble(options.cache, found)
-            _announce(sessions, found, display)
+            report_trouble(options.cache, diagnostics)
+            _announce(sessions, diagnostics, display)
             for session in sessions:
                 prover.ask(session)
                 if not no_open:
@@ -93,7 +93,7 @@ def command(
 
 
 def _sessions(
-    sidecars: tuple[Path, ...], output: Path | None, options: "Options", found: Diagnostics
+    sidecars: tuple[Path, ...], output: Path | None, options: "Options", diagnostics: Diagnostics
 ) -> list["Session"]:
     """A session for each sidecar; none after errors."""
     from stepbot.jobs.batch.runs import plan
@@ -102,10 +102,10 @@ def _sessions(
 
     for path in sidecars:
         if not is_file(path):
-            report_missing(path, found)
+            report_missing(path, diagnostics)
     with usage_errors():
-        tasks = plan(sidecars, output or Path(), found)
-    if found.has_errors:
+        tasks = plan(sidecars, output or Path(), diagnostics)
+    if diagnostics.has_errors:
         return []
     folders = [output or Path()] if len(tasks) == 1 else [task.output for task in tasks]
     return [
@@ -114,19 +114,19 @@ def _sessions(
     ]
 
 
-def _refuse(found: Diagnostics, display: Display) -> int:
+def _refuse(diagnostics: Diagnostics, display: Display) -> int:
     if display.json:
-        return write_document({"urls": {}}, found)
-    show_diagnostics(found, display)
-    return found.exit_code
+        return write_document({"urls": {}}, diagnostics)
+    show_diagnostics(diagnostics, display)
+    return diagnostics.exit_code
 
 
-def _announce(sessions: list["Session"], found: Diagnostics, display: Display) -> None:
+def _announce(sessions: list["Session"], diagnostics: Diagnostics, display: Display) -> None:
     """Print the diagnostics of the first reading and the addresses."""
     urls = {session.target.as_posix(): session.server.url for session in sessions}
     if display.json:
-        write_json({"urls": urls, "diagnostics": found})
+        write_json({"urls": urls, "diagnostics": diagnostics})
         return
-    show_diagnostics(found, display)
+    show_diagnostics(diagnostics, display)
     for name, url in urls.items():
         write_result(url if len(urls) == 1 else f"{printable(name)}: {url}")

@@ -141,7 +141,7 @@ def check(
     """
     from stepbot.jobs.incremental import check as check_unless_unchanged
 
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     options = Options(
         output=Path(),
         step=Path(step) if step is not None else None,
@@ -150,5 +150,5 @@ def check(
         memory_limit=memory_limit,
         cache=cache_at(cache),
     )
-    outcome = check_unless_unchanged(Path(sidecar), options, found, open_step=open_step or step is not None)
-    return CheckResult(found, outcome)
+    outcome = check_unless_unchanged(Path(sidecar), options, diagnostics, open_step=open_step or step is not None)
+    return CheckResult(diagnostics, outcome)

@@ -81,13 +81,13 @@ def draft(
     sidecar = Path(output) if output is not None else path.parent / starter_name(path)
     options = reading(encoding, timeout, memory_limit, cache, package_path)
     drafting = draft_step(path, options, Path(description) if description is not None else None, answers=answers)
-    found = drafting.diagnostics
-    if drafting.draft is None or found.has_errors:
-        return Drafted(found)
+    diagnostics = drafting.diagnostics
+    if drafting.draft is None or diagnostics.has_errors:
+        return Drafted(diagnostics)
     drafted = replace(drafting.draft, robot=sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot"))
     if output is None:
-        return Drafted(found, drafted, sidecar_text(drafted, relative_step(path, sidecar), encoding=encoding))
-    return Drafted(found, drafted, write_draft(drafted, sidecar, path, encoding, found))
+        return Drafted(diagnostics, drafted, sidecar_text(drafted, relative_step(path, sidecar), encoding=encoding))
+    return Drafted(diagnostics, drafted, write_draft(drafted, sidecar, path, encoding, diagnostics))
 
 
 @checked
@@ -136,20 +136,20 @@ def render(
     from stepbot.pipeline.picturing import subject_of
 
     (chosen,) = known(view, VIEWS, "view")
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     options = reading(encoding, timeout, memory_limit, cache, package_path)
-    subject = subject_of(Path(target), options, joints or {}, found)
-    if subject is None or found.has_errors:
-        return Rendered(found)
+    subject = subject_of(Path(target), options, joints or {}, diagnostics)
+    if subject is None or diagnostics.has_errors:
+        return Rendered(diagnostics)
     try:
         picture = draw(subject, Sheet(*size, samples=samples, view=VIEWS[chosen], labels=labels))
     except NothingToDraw as error:
-        found.add("SB020", str(error), Span(Path(target).as_posix()))
-        return Rendered(found)
+        diagnostics.add("SB020", str(error), Span(Path(target).as_posix()))
+        return Rendered(diagnostics)
     png = png_bytes(picture.pixels)
     if output is not None:
         replace_file(Path(output), png)
-    return Rendered(found, png)
+    return Rendered(diagnostics, png)
 
 
 @checked
@@ -181,19 +181,19 @@ def verify(
     from stepbot.runtime.worker import Workers
     from stepbot.verification.files import verify_files
 
-    found = Diagnostics()
-    found.ignore(Ignore(code, Span("stepbot")) for code in several(ignore))
+    diagnostics = Diagnostics()
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in several(ignore))
     report = verify_files(
         [Path(file) for file in files],
-        found,
+        diagnostics,
         require=several(require),
         workers=Workers(timeout, memory_limit),
         packages=tuple(map(Path, several(package_path))),
         xacro=(xacro or {}).items(),
     )
     if strict:
-        found.make_strict()
-    return Verification(found, report)
+        diagnostics.make_strict()
+    return Verification(diagnostics, report)
 
 
 @checked
@@ -233,9 +233,9 @@ def drive(
     chosen = DriveOptions(
         known(tests, TESTS, "test"), known(engines, ENGINES, "engine"), Path(limits) if limits is not None else None
     )
-    found = Diagnostics()
-    driven = drive_target(Path(target), reading("", timeout, memory_limit, cache, package_path), chosen, found)
-    return DriveResult(found, driven)
+    diagnostics = Diagnostics()
+    driven = drive_target(Path(target), reading("", timeout, memory_limit, cache, package_path), chosen, diagnostics)
+    return DriveResult(diagnostics, driven)
 
 
 def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0) -> list[int]:

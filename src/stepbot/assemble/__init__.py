@@ -80,7 +80,7 @@ def build_robot(
     assembly: Assembly,
     sidecar: Sidecar,
     measures: Callable[[], Sequence[VolumeProperties | None]],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     cache: Cache | None = None,
     process: Worker | None = None,
     revised: Revised = UNREVISED,
@@ -92,7 +92,7 @@ def build_robot(
         sidecar: A sidecar that passed its own check without errors.
         measures: Called when needed: trimesh's mass properties of the mesh of each of ``assembly.bodies``; None for a
             mesh that encloses no volume.
-        found: Receives SB3xx, SB4xx and SB5xx.
+        diagnostics: Receives SB3xx, SB4xx and SB5xx.
         cache: Cache for collision shapes and overlaps; None to disable it.
         process: Worker that fits collision shapes and searches for overlaps after it has measured the meshes; None to
             do so in this process.
@@ -100,7 +100,7 @@ def build_robot(
         timeout: Maximum time [s] to wait for collision geometry.
     """
     document = sidecar.document
-    binder = Binder(assembly, sidecar, found, revised)
+    binder = Binder(assembly, sidecar, diagnostics, revised)
     root, order = tree_order(document)
     materials = assign_materials(binder)
     claims = claim(binder, materials)
@@ -121,7 +121,7 @@ def build_robot(
     _report_bodies(binder, claims, bodies)
     binder.report_fragile()
     X_WR = frames.link(root)
-    if found.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
+    if diagnostics.has_errors or X_WR is None or joints is None or closures is None or named is None or sensors is None:
         return None
 
     if not wait_for(fitted, binder, timeout):
@@ -146,8 +146,8 @@ def build_robot(
         versions=build_versions(document),
         mesh_formats=build_mesh_formats(document),
     )
-    robot = without_contacts_of(robot, sidecar, found)
-    robot = tune_actuators(robot, sidecar, found)
+    robot = without_contacts_of(robot, sidecar, diagnostics)
+    robot = tune_actuators(robot, sidecar, diagnostics)
     robot, simplified = SimplifiedVisualMeshes(binder, cache, process, timeout).of(robot)
     double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
     rows = joint_table(frames, joints, closures)
@@ -156,9 +156,9 @@ def build_robot(
     return Built(robot, double_counting, bodies, rows, scored, simplified)
 
 
-def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
+def link_components(assembly: Assembly, sidecar: Sidecar, diagnostics: Diagnostics) -> dict[str, tuple[int, ...]]:
     """Indices of the components with bodies of each link; unresolved paths are reported in ``found``."""
-    binder = Binder(assembly, sidecar, found)
+    binder = Binder(assembly, sidecar, diagnostics)
     claims = claim(binder, assign_materials(binder))
     return {link: claims.parts_of(link) for link in sidecar.document.links}
 

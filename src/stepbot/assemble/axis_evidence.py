@@ -16,7 +16,7 @@ CENTRE = ("give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init
 
 def evidence_of(
     line: AxisLine,
-    found: Sequence[AxisLine],
+    lines: Sequence[AxisLine],
     words: str,
     path: Callable[[int], str],
     *,
@@ -36,7 +36,7 @@ def evidence_of(
         is_ball: Whether the line is to give the centre of a ball joint.
     """
     parts = ", ".join(quoted(path(index)) for index in line.components)
-    others = [one for one in found if one is not line and not (direction_only and is_parallel(one, line))]
+    others = [one for one in lines if one is not line and not (direction_only and is_parallel(one, line))]
     return Evidence(
         line.basis,
         f"{words}, of faces of {parts}: {_placed(line)}",

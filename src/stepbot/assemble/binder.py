@@ -30,11 +30,13 @@ UNREVISED = Revised()
 class Binder:
     """One sidecar bound to one assembly."""
 
-    def __init__(self, assembly: Assembly, sidecar: Sidecar, found: Diagnostics, revised: Revised = UNREVISED) -> None:
+    def __init__(
+        self, assembly: Assembly, sidecar: Sidecar, diagnostics: Diagnostics, revised: Revised = UNREVISED
+    ) -> None:
         self.assembly = assembly
         self.revised = revised
         self.sidecar = sidecar
-        self.found = found
+        self.diagnostics = diagnostics
         self.paths = ComponentPaths(assembly.components)
         self._fragile: dict[str, Span] = {}
 
@@ -60,7 +62,7 @@ class Binder:
         self, code: str, keys: Keys, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()
     ) -> None:
         """Report a finding at the value under ``keys`` in the sidecar."""
-        self.found.add(code, f"{subject(keys[:2])}: {message}", self.span(keys), help=help, notes=notes)
+        self.diagnostics.add(code, f"{subject(keys[:2])}: {message}", self.span(keys), help=help, notes=notes)
 
     def span(self, keys: Keys) -> Span:
         """The span of a value; for a section, the span of its key; the whole file if the section is missing."""
@@ -70,7 +72,9 @@ class Binder:
 
     def report_fragile(self) -> None:
         """Warn once for all paths that depend on an occurrence number ``#n``, except in sections that ignore it."""
-        ignored = {pattern: span for pattern, span in self._fragile.items() if self.found.ignores_at("SB305", span)}
+        ignored = {
+            pattern: span for pattern, span in self._fragile.items() if self.diagnostics.ignores_at("SB305", span)
+        }
         for pattern, span in ignored.items():
             self._warn_fragile({pattern: span}, notes=False)
         left = {pattern: span for pattern, span in self._fragile.items() if pattern not in ignored}
@@ -80,7 +84,7 @@ class Binder:
     def _warn_fragile(self, paths: Mapping[str, Span], *, notes: bool) -> None:
         named = tuple(f"line {span.line}: {quoted(pattern)}" for pattern, span in paths.items())
         count = f"{len(named)} paths depend" if len(named) > 1 else "one path depends"
-        self.found.add(
+        self.diagnostics.add(
             "SB305",
             f"{self.assembly.source}: {count} on the order of siblings (#n), which have no names of their own",
             next(iter(paths.values())),

@@ -131,7 +131,7 @@ def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) ->
     whole = _whole_subassemblies(binder, set(left))
     count = f"{len(left)} components are" if len(left) > 1 else "one component is"
     misspelt = (f"a path of link '{incomplete[0]}' matches nothing; one of these may be meant",) if incomplete else ()
-    binder.found.add(
+    binder.diagnostics.add(
         "SB304",
         f"{binder.assembly.source}: {count} not assigned to any link",
         binder.span(("links",)),

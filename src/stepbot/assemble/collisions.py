@@ -93,7 +93,7 @@ class Collisions:
         """Warn once about all components that need collision geometry but are too flat for it."""
         if self._flat:
             what = f"{len(self._flat)} components are" if len(self._flat) > 1 else f"{self._flat[0]} is"
-            self._binder.found.add(
+            self._binder.diagnostics.add(
                 "SB308",
                 f"{self._binder.assembly.source}: {what} too flat for a convex hull",
                 self._binder.span(("links",)),
@@ -115,7 +115,7 @@ class Collisions:
             self._binder.report("SB608", ("links", link, "collision"), message, help=("give the shapes a `contact`",))
         if self._coarse:
             count = f"{len(self._coarse)} links" if len(self._coarse) > 1 else "one link"
-            self._binder.found.add(
+            self._binder.diagnostics.add(
                 "SB609",
                 f"{self._binder.assembly.source}: `max_hulls` limits the collision geometry of {count}",
                 self._binder.span(("links",)),
@@ -254,7 +254,7 @@ def _prism(cylinder: Cylinder, faces: int) -> TriMesh:
     return hull
 
 
-def without_contacts_of(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
+def without_contacts_of(robot: Robot, sidecar: Sidecar, diagnostics: Diagnostics) -> Robot:
     """The robot with the sidecar's excluded pairs; those of adjacent links are reported (SB146)."""
     if not sidecar.document.excluded_contacts:
         return robot
@@ -265,6 +265,6 @@ def without_contacts_of(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> R
         if frozenset((a, b)) in adjacent:
             message = f"links '{a}' and '{b}' are adjacent; their contacts are excluded in any case"
             span = sidecar.span("excluded_contacts", index)
-            found.add("SB146", f"excluded_contacts[{index}]: {message}", span, help=["remove the pair"])
+            diagnostics.add("SB146", f"excluded_contacts[{index}]: {message}", span, help=["remove the pair"])
     kept = (pair for pair in pairs if pair[0] != pair[1] and frozenset(pair) not in adjacent)
     return replace(robot, excluded_contacts=tuple(sorted(kept)))

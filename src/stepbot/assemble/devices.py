@@ -57,7 +57,7 @@ def _tuning(drive: ActuatorSection) -> Tuning | None:
     return Tuning(drive.gains.bandwidth, drive.gains.damping_ratio)
 
 
-def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
+def tune_actuators(robot: Robot, sidecar: Sidecar, diagnostics: Diagnostics) -> Robot:
     """The robot with its computed gains.
 
     Reports SB464, actuators that are too weak for the weight of their joint, and SB466, those that cannot move theirs.
@@ -71,14 +71,14 @@ def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
             "or set `kp` and `kv` if a spring or a counterweight carries the joint",
         )
         message += f", whose weight is {weight:.3g} {unit} in the drawn pose"
-        found.add("SB464", message, place_of(actuator, robot, sidecar), help=help)
+        diagnostics.add("SB464", message, place_of(actuator, robot, sidecar), help=help)
 
     result = tuned(robot, too_weak)
     for actuator in result.actuators:
         if actuator.tuning is not None and actuator.kp == actuator.kv == 0.0:
             message = f"actuator '{actuator.name}': no gains can be computed: its joint cannot move in the drawn pose"
             help = ("let the loop move, or set `kp` and `kv`",)
-            found.add("SB466", message, place_of(actuator, robot, sidecar), help=help)
+            diagnostics.add("SB466", message, place_of(actuator, robot, sidecar), help=help)
     return result
 
 

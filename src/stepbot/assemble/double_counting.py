@@ -197,7 +197,7 @@ class DoubleCounting:
         try:
             found = self._search.result(timeout)
         except WorkerDied as death:
-            report_death(death, "intersects solids", self._binder.span(("links",)), self._binder.found)
+            report_death(death, "intersects solids", self._binder.span(("links",)), self._binder.diagnostics)
             return
         slight: dict[str, Overlaps] = {}
         for link, overlaps in found.items():
@@ -235,7 +235,7 @@ def _note_slight(binder: Binder, slight: Mapping[str, Overlaps]) -> None:
         for link, overlaps in slight.items()
     )
     message = f"{binder.assembly.source}: {pairs} by less than a thousandth of their link's mass"
-    binder.found.add("SB513", message, binder.span(("links",)), notes=listed(tuple(notes)))
+    binder.diagnostics.add("SB513", message, binder.span(("links",)), notes=listed(tuple(notes)))
 
 
 def _note_unchecked(binder: Binder, pairs: Sequence[Pair]) -> None:
@@ -246,7 +246,7 @@ def _note_unchecked(binder: Binder, pairs: Sequence[Pair]) -> None:
         for pair in heaviest_first
     )
     message = f"{binder.assembly.source}: {count} not checked for overlaps"
-    binder.found.add("SB514", message, binder.span(("links",)), notes=listed(tuple(notes)))
+    binder.diagnostics.add("SB514", message, binder.span(("links",)), notes=listed(tuple(notes)))
 
 
 def _names(binder: Binder, pair: Pair) -> str:

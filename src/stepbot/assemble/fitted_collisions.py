@@ -191,7 +191,7 @@ def wait_for(fitted: FittedCollisions, binder: Binder, timeout: float) -> bool:
     try:
         fitted.wait(timeout)
     except WorkerDied as death:
-        report_death(death, "fits collision shapes", binder.span(("links",)), binder.found)
+        report_death(death, "fits collision shapes", binder.span(("links",)), binder.diagnostics)
         return False
     return True
 
@@ -259,7 +259,7 @@ class ScoredCollisions:
             submitted = None if self._process is None else self._process.submit("scores", missing, more=True)
             scores.add(collision_scores(missing) if submitted is None else submitted.result(timeout))
         except WorkerDied as death:
-            report_death(death, "scores collision shapes", self._binder.span(("links",)), self._binder.found)
+            report_death(death, "scores collision shapes", self._binder.span(("links",)), self._binder.diagnostics)
 
     def _unscored(self, link: Link) -> Unscored:
         """The closed solids of a link and its shapes, in the frame of the first component."""

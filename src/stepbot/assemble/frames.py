@@ -267,7 +267,7 @@ class Frames:
     def _on(
         self,
         line: AxisLine,
-        found: Sequence[AxisLine],
+        lines: Sequence[AxisLine],
         words: str,
         origin: AxisOrigin | MateOrigin | AutoOrigin,
         wanted: Wanted,
@@ -275,7 +275,7 @@ class Frames:
         """The frame on a line that was found, and a note that names the line."""
         self._evidence[wanted.keys] = evidence_of(
             line,
-            found,
+            lines,
             words,
             self._binder.path,
             selected=origin.radius is not None or origin.near is not None,
@@ -301,8 +301,8 @@ class Frames:
             self._faces[link] = axis_faces(self._binder.assembly, self._claims.parts_of(link))
         return self._faces[link]
 
-    def _report_rivals(self, wanted: Wanted, words: str, choice: Choice, found: Sequence[AxisLine], start: str) -> None:
-        offered = dict(zip(found, selectors(found), strict=True))
+    def _report_rivals(self, wanted: Wanted, words: str, choice: Choice, lines: Sequence[AxisLine], start: str) -> None:
+        offered = dict(zip(lines, selectors(lines), strict=True))
         several = "directions" if wanted.direction_only else "axes"
         self._binder.report(
             "SB402",
@@ -313,28 +313,28 @@ class Frames:
         )
 
     def _report_apart(
-        self, wanted: Wanted, words: tuple[str, str], choice: Choice, found: Sequence[AxisLine], start: str
+        self, wanted: Wanted, words: tuple[str, str], choice: Choice, lines: Sequence[AxisLine], start: str
     ) -> None:
         """Report lines with faces of both sides that do not touch."""
-        lines = choice.rivals
-        several = f"{len(lines)} lines" if len(lines) > 1 else "one line"
-        remedies = tuple(f"origin: {start}{selector(line, found)}}}" for line in lines)
+        rivals = choice.rivals
+        several = f"{len(rivals)} lines" if len(rivals) > 1 else "one line"
+        remedies = tuple(f"origin: {start}{selector(line, lines)}}}" for line in rivals)
         self._binder.report(
             "SB406",
             wanted.keys,
             f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no touching faces",
             help=(*(CENTRE if wanted.is_ball else ()), *listed(remedies)),
-            notes=listed(tuple(described(line, self._binder.path) for line in lines)),
+            notes=listed(tuple(described(line, self._binder.path) for line in rivals)),
         )
 
-    def _report_doubt(self, wanted: Wanted, line: AxisLine, found: Sequence[AxisLine], start: str) -> None:
+    def _report_doubt(self, wanted: Wanted, line: AxisLine, lines: Sequence[AxisLine], start: str) -> None:
         """Warn of an axis chosen on weak evidence, and give the origins that select it or another line."""
         evidence = self._evidence[wanted.keys]
         if not evidence.doubt:
             return
-        others = [other for other in found if other is not line and other.basis is not Basis.APART]
+        others = [other for other in lines if other is not line and other.basis is not Basis.APART]
         shown = [line, *others[:_SHOWN_MISSES]]
-        remedies = [f"origin: {start}{selector(one, found)}}}" for one in (shown[1:] if evidence.selected else shown)]
+        remedies = [f"origin: {start}{selector(one, lines)}}}" for one in (shown[1:] if evidence.selected else shown)]
         remedies[:0] = CENTRE if wanted.is_ball else ()
         if self._is_draft(wanted.keys):
             confirm = "its origin is right" if evidence.selected else "one of these is right and in the sidecar"

@@ -91,7 +91,7 @@ class Links:
                 f"or define the material of the STEP: `materials: {{{quoted(name)}: {{density: 1240 kg/m^3}}}}`"
                 for name in list(dict.fromkeys(materials))[:3]
             ]
-            self._binder.found.add(
+            self._binder.diagnostics.add(
                 "SB501",
                 f"{self._binder.assembly.source}: {count} no density",
                 self._binder.span(("defaults",)),

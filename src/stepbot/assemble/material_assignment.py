@@ -28,7 +28,7 @@ class ShadowedRules:
     def __init__(self, binder: Binder) -> None:
         self._binder = binder
         self._rules = list(binder.document.parts.items())
-        self._found: dict[int, dict[str, list[int]]] = {}
+        self._matches: dict[int, dict[str, list[int]]] = {}
 
     def note(self, rule: int, field: str, earlier: Iterable[int]) -> None:
         """Take one field of a rule.
@@ -39,11 +39,11 @@ class ShadowedRules:
         above = [int(number) for number in earlier]
         others = [n for n in dict.fromkeys(above) if n >= 0 and self._value(n, field) != self._value(rule, field)]
         if above and min(above) >= 0 and others:
-            self._found.setdefault(rule, {})[field] = others
+            self._matches.setdefault(rule, {})[field] = others
 
     def report(self) -> None:
         """Report SB306, one for each rule."""
-        for rule, fields in self._found.items():
+        for rule, fields in self._matches.items():
             pattern = self._rules[rule][0]
             above = [self._rules[n][0] for n in sorted({n for numbers in fields.values() for n in numbers})]
             named = " and ".join(f"'{one}'" for one in above[:_NAMED])
@@ -249,7 +249,7 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ..
     if used and len(densities) == 1 and len(definitions) > 1:
         names = sorted({c.material for c in solids if c.material})
         density = f"{next(iter(densities)):g} kg/m^3" + (f" ({', '.join(names)})" if names else "")
-        binder.found.add(
+        binder.diagnostics.add(
             "SB502",
             f"{assembly.source}: all {len(definitions)} parts have a density of {density}: probably a CAD default",
             binder.span(("step_density",)),
@@ -275,7 +275,7 @@ def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ..
     if unlisted and document.step_density is StepDensity.USE:
         count = sum(map(len, unlisted.values()))
         parts = f"{count} parts have" if count > 1 else "one part has"
-        binder.found.add(
+        binder.diagnostics.add(
             "SB515",
             f"{binder.assembly.source}: {parts} a material without a density; the default density is used",
             binder.span(("materials",)),

@@ -54,11 +54,11 @@ def report_choices(binder: Binder, bodies: Sequence[MeasuredBody], components: C
     which = f"{len(deviating)} of {len(first)} bodies"
     if mode is MassMode.MESH:
         message = f"{which}: mesh and exact solid differ by more than {MASS_TOLERANCE:g}, or one of them is missing"
-        binder.found.add("SB511", f"mass: {message}", span, notes=listed(deviating))
+        binder.diagnostics.add("SB511", f"mass: {message}", span, notes=listed(deviating))
     else:
         used = "mesh's" if mode is MassMode.EXACT else "exact solid's"
         message = f"{which}: {used} mass properties used"
-        binder.found.add("SB505", f"mass: {message}", span, notes=listed(deviating))
+        binder.diagnostics.add("SB505", f"mass: {message}", span, notes=listed(deviating))
 
 
 def report_massless(binder: Binder, bodies: Sequence[MeasuredBody], components: Collection[int]) -> None:
@@ -77,7 +77,7 @@ def report_massless(binder: Binder, bodies: Sequence[MeasuredBody], components: 
         if group:
             count = sum(map(len, group.values()))
             message = f"{binder.assembly.source}: {several.format(count) if count > 1 else one}"
-            binder.found.add(code, message, binder.span(("links",)), help=[help], notes=_bodies(binder, group))
+            binder.diagnostics.add(code, message, binder.span(("links",)), help=[help], notes=_bodies(binder, group))
 
     given = "if one represents a heavy part, give its link an `inertial` with mass, com and inertia"
     report("SB506", surfaces, "one surface body has no mass", "{} surface bodies have no mass", given)

@@ -139,7 +139,7 @@ class SimplifiedVisualMeshes:
                 )
                 results.add(all_simplified(results.missing) if worker is None else worker.result(self._timeout))
             except WorkerDied as death:
-                report_death(death, "simplifies meshes", self._binder.span(("mesh",)), self._binder.found)
+                report_death(death, "simplifies meshes", self._binder.span(("mesh",)), self._binder.diagnostics)
         return results.get("")
 
     def _report(self, scope: _Scope, before: int, after: int, deviation: float) -> None:
@@ -147,23 +147,23 @@ class SimplifiedVisualMeshes:
         if after > scope.max_triangles:
             message = f"{scope.subject}visual meshes have {after} triangles, and {scope.max_triangles} are allowed"
             help = ("raise `max_triangles`, or hide parts: `visual: false`",)
-            self._binder.found.add("SB610", message, span, help=help)
+            self._binder.diagnostics.add("SB610", message, span, help=help)
         message = f"{scope.subject}visual meshes simplified from {before} to {after} triangles, off by up to {off}"
-        self._binder.found.add("SB611", message, span)
+        self._binder.diagnostics.add("SB611", message, span)
 
     def _report_bytes(self, before: Robot, after: Robot, sizes: str, deviation: float, surplus: int) -> None:
         span, off = self._binder.span(("mesh", "max_bytes")), f"{_MILLIMETRES * deviation:.3g} mm"
         if surplus > 0:
             message = f"the files of visual meshes have {surplus} bytes more than `max_bytes`"
             help = ("raise `max_bytes`, or hide parts: `visual: false`",)
-            self._binder.found.add("SB610", message, span, help=help)
+            self._binder.diagnostics.add("SB610", message, span, help=help)
         pairs = zip(before.links, after.links, strict=True)
         counts = {a.name: (_faces_drawn(before, a), _faces_drawn(after, b)) for a, b in pairs}
         reduced = sorted((one for one in counts if counts[one][0] > counts[one][1]), key=lambda one: -counts[one][0])
         named = [f"'{name}' {counts[name][0]} to {counts[name][1]}" for name in reduced[:_NAMED]]
         named += [f"{len(reduced) - _NAMED} more links"] if len(reduced) > _NAMED else []
         message = f"files of visual meshes reduced {sizes}, off by up to {off}; triangles: {', '.join(named)}"
-        self._binder.found.add("SB611", message, span)
+        self._binder.diagnostics.add("SB611", message, span)
 
 
 def visual_bytes(robot: Robot) -> int:

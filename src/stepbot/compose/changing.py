@@ -56,7 +56,7 @@ _Numbers = TypeVar("_Numbers", Limit, JointDynamics)
 
 
 def with_names(
-    robot: Robot, names: Mapping[Any, Mapping[str, str]], module: str, sidecar: Sidecar, found: Diagnostics
+    robot: Robot, names: Mapping[Any, Mapping[str, str]], module: str, sidecar: Sidecar, diagnostics: Diagnostics
 ) -> Robot:
     """The robot with the new names that a module gives, by section and former name; errors are reported."""
     by_section = elements(robot)
@@ -67,11 +67,11 @@ def with_names(
             place = sidecar.key_span("modules", module, "rename", section, former)
             if former not in known:
                 message = f"module '{module}': rename: no {kind} '{former}'"
-                found.add("SB160", message, place, help=_near(former, known))
+                diagnostics.add("SB160", message, place, help=_near(former, known))
             elif (name in known and name not in new) or list(new.values()).count(name) > 1:
                 message = f"module '{module}': rename: {kind} '{former}': duplicate name '{name}'"
-                found.add("SB135", message, place, help=["choose another name"])
-    found.raise_if_errors()
+                diagnostics.add("SB135", message, place, help=["choose another name"])
+    diagnostics.raise_if_errors()
 
     def name_in(section: str) -> Any:
         return lambda name: names.get(section, {}).get(name, name)
@@ -91,7 +91,7 @@ def changed(
     place: Span,
     *,
     limits: tuple[int | None, float],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     motors: OwnMotors = NO_MOTORS,
 ) -> Robot:
     """The robot with changed values; errors are reported.
@@ -100,28 +100,28 @@ def changed(
         robot: The robot of a description.
         changes: The values, under the keys of a sidecar.
         limits: Memory [bytes] and time [s] of the process that fits collision shapes.
-        found: Receives SB160 and whatever a sidecar with these values has.
+        diagnostics: Receives SB160 and whatever a sidecar with these values has.
         motors: The motors of the file that states the changes.
     """
     given = plain_data(changes)
-    _reject(given, changes, found)
-    found.raise_if_errors()
+    _reject(given, changes, diagnostics)
+    diagnostics.raise_if_errors()
     local = Diagnostics()
     sidecar = sidecar_of(robot, changes, path, local, motors)
     if sidecar is not None:
         check_sidecar(sidecar, local)
-    _report_new(robot, path, place, local, found)
-    found.raise_if_errors()
+    _report_new(robot, path, place, local, diagnostics)
+    diagnostics.raise_if_errors()
     assert sidecar is not None  # otherwise there is an error
-    return _Changing(robot, sidecar, given, found).robot(*limits)
+    return _Changing(robot, sidecar, given, diagnostics).robot(*limits)
 
 
-def _reject(given: Any, changes: Tree, found: Diagnostics) -> None:
+def _reject(given: Any, changes: Tree, diagnostics: Diagnostics) -> None:
     """Report what a description cannot change."""
 
     def reject(keys: tuple[str, ...], of: str, known: Collection[str]) -> None:
         message = f"set: {of} a description, `set` can change {', '.join(f'`{one}`' for one in known)}"
-        found.add("SB160", message, key_span(changes, keys), help=_near(keys[-1], known))
+        diagnostics.add("SB160", message, key_span(changes, keys), help=_near(keys[-1], known))
 
     for section, members in given.items():
         if section not in CHANGEABLE:
@@ -139,7 +139,7 @@ def _near(name: str, known: Collection[str]) -> tuple[str, ...]:
 
 
 def sidecar_of(
-    robot: Robot, changes: Tree | None, path: Path, found: Diagnostics, motors: OwnMotors = NO_MOTORS
+    robot: Robot, changes: Tree | None, path: Path, diagnostics: Diagnostics, motors: OwnMotors = NO_MOTORS
 ) -> Sidecar | None:
     """The sidecar of a robot of a description, with some changes; None after errors."""
     given = plain_data(changes) if changes is not None else {}
@@ -153,10 +153,10 @@ def sidecar_of(
     for section in _ADDED:
         values[section] |= {name: {} for name in members(section) if name not in values[section]}
     module = None if changes is None else tree.Mapping(changes.span, {"set": tree.Entry(changes.span, changes)}, 1, 1)
-    return parse_sidecar(json.dumps(values), path, found, module=module, motors=motors)
+    return parse_sidecar(json.dumps(values), path, diagnostics, module=module, motors=motors)
 
 
-def _report_new(robot: Robot, path: Path, place: Span, local: Diagnostics, found: Diagnostics) -> None:
+def _report_new(robot: Robot, path: Path, place: Span, local: Diagnostics, diagnostics: Diagnostics) -> None:
     """Report what the changes cause; what the description alone has was reported when it was read."""
     old: set[tuple[str, str]] = set()
     if any(one.span.file == path.as_posix() for one in local):
@@ -166,14 +166,14 @@ def _report_new(robot: Robot, path: Path, place: Span, local: Diagnostics, found
         old = {(one.code, one.message) for one in alone}
     for one in local:
         if (one.code, one.message) not in old:
-            found.extend([one._replace(span=place) if one.span.file == path.as_posix() else one])
+            diagnostics.extend([one._replace(span=place) if one.span.file == path.as_posix() else one])
 
 
 class _Changing:
     """Builds what the changes set, and puts it into the robot."""
 
-    def __init__(self, robot: Robot, sidecar: Sidecar, given: dict[str, Any], found: Diagnostics) -> None:
-        self._robot, self._sidecar, self._given, self._found = robot, sidecar, given, found
+    def __init__(self, robot: Robot, sidecar: Sidecar, given: dict[str, Any], diagnostics: Diagnostics) -> None:
+        self._robot, self._sidecar, self._given, self._diagnostics = robot, sidecar, given, diagnostics
         self._parts: dict[str, list[Placed]] = {}
         self._assembly = self._with_parts()
         owners = {part.index: link for link, parts in self._parts.items() for part in parts}
@@ -181,12 +181,12 @@ class _Changing:
 
     def robot(self, memory_limit: int | None, timeout: float) -> Robot:
         """The changed robot."""
-        binder = Binder(self._assembly, self._sidecar, self._found)
+        binder = Binder(self._assembly, self._sidecar, self._diagnostics)
         root, order = tree_order(self._sidecar.document)
         frames = Frames(binder, self._claims, root)
         joints, named = build_joints(binder, frames, order), build_frames(binder, frames)
         sensors = build_sensors(binder, frames)
-        self._found.raise_if_errors()
+        self._diagnostics.raise_if_errors()
         assert joints is not None  # otherwise there is an error, as without the others
         assert named is not None
         assert sensors is not None
@@ -199,9 +199,9 @@ class _Changing:
             sensors=_with_changed(self._robot.sensors, sensors, self._of("sensors")),
         )
         robot = self._with_links(robot, binder, memory_limit, timeout)
-        pairs = without_contacts_of(robot, self._sidecar, self._found).excluded_contacts
+        pairs = without_contacts_of(robot, self._sidecar, self._diagnostics).excluded_contacts
         robot = replace(robot, excluded_contacts=tuple(sorted({*self._robot.excluded_contacts, *pairs})))
-        return tune_actuators(robot, self._sidecar, self._found) if self._of("actuators") else robot
+        return tune_actuators(robot, self._sidecar, self._diagnostics) if self._of("actuators") else robot
 
     def _of(self, section: str) -> dict[str, Any]:
         named: dict[str, Any] = self._given.get(section) or {}
@@ -254,7 +254,7 @@ class _Changing:
             measured = measured_bodies(self._assembly, measures, self._sidecar.document.mass)
             fitted = FittedCollisions(binder, self._claims, of, measured, None, process)
             wait_for(fitted, binder, timeout)
-        self._found.raise_if_errors()
+        self._diagnostics.raise_if_errors()
         assets = MeshAssets(self._assembly)
         collisions = Collisions(binder, assets, fitted)
         made = {name: collisions.of(name, self._parts[name]) for name in self._of("links")}
@@ -291,7 +291,7 @@ class _Changing:
         if not is_complete(inertial):
             message = f"link '{link.name}': inertial: the description has no inertia that this mass could scale"
             place = self._sidecar.key_span("links", link.name, "inertial")
-            self._found.add("SB503", message, place, help=("give `com` and `inertia` with `mass`",))
+            self._diagnostics.add("SB503", message, place, help=("give `com` and `inertia` with `mass`",))
             return of_file
         if "inertia" in given["inertial"]:
             return overruled(of_file, inertial)

@@ -29,11 +29,11 @@ class Images:
         sidecar: The composing file.
         parts: Its modules.
         ports: Resolves references.
-        found: Receives SB154.
+        diagnostics: Receives SB154.
     """
 
-    def __init__(self, sidecar: Sidecar, parts: Mapping[str, Part], ports: Ports, found: Diagnostics) -> None:
-        self._sidecar, self._parts, self._ports, self._found = sidecar, parts, ports, found
+    def __init__(self, sidecar: Sidecar, parts: Mapping[str, Part], ports: Ports, diagnostics: Diagnostics) -> None:
+        self._sidecar, self._parts, self._ports, self._diagnostics = sidecar, parts, ports, diagnostics
         self._document = sidecar.document
 
     def mimic(self, name: str, above: str) -> Mimic | None:
@@ -81,7 +81,7 @@ class Images:
             of = self._document.modules[name].mirror_of
             message = f"module '{name}': mirror_of: '{of}' is at {reference}, and nothing mirrors '{module}'"
             help = [f"add a module with `mirror_of: {module}`, or give `at`"]
-            self._found.add("SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
+            self._diagnostics.add("SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
             return None
         return Port(port.link, conjugated(X_LC, m))
 
@@ -117,5 +117,7 @@ class Images:
             message = f"module '{name}': mirror_of: '{of}' is on {which}"
             help = [f"give `at`: a port of {' or '.join(repr(one) for one in ones)}"]
             notes = [f"the reference at {self._sidecar.span(*keys)}"]
-            self._found.add("SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help, notes=notes)
+            self._diagnostics.add(
+                "SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help, notes=notes
+            )
         return ones[0] if len(ones) == 1 else None

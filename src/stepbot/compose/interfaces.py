@@ -26,7 +26,7 @@ Intersect = Callable[[Search], Mapping[str, Overlaps]]
 """Intersects solids; the result is by module."""
 
 
-def report_interfaces(sidecar: Sidecar, robot: Robot, intersect: Intersect, found: Diagnostics) -> None:
+def report_interfaces(sidecar: Sidecar, robot: Robot, intersect: Intersect, diagnostics: Diagnostics) -> None:
     """Report SB166: a part of a module that what it is fixed to has, too, at the same place, or solids that overlap.
 
     Compared are the visuals of links that are one body; a mesh that is no solid overlaps nothing.
@@ -59,7 +59,7 @@ def report_interfaces(sidecar: Sidecar, robot: Robot, intersect: Intersect, foun
         message = f"module '{module}': equal parts at the same place: {mine} and {other}"
         out = f": `parts: {{'{mine.part}': {{ignore: true}}}}`" if mine.is_component else ""
         help = [f"if it is in both files, leave it out of one{out}"]
-        found.add("SB166:part", message, sidecar.key_span("modules", module), help=help)
+        diagnostics.add("SB166:part", message, sidecar.key_span("modules", module), help=help)
     for module, overlaps in intersect(_search(robot, shown, meeting)).items() if meeting else ():
         lines = [
             f"{shown[pair.first]} and {shown[pair.second]} share {1e6 * pair.volume:.3g} cm^3"
@@ -69,7 +69,7 @@ def report_interfaces(sidecar: Sidecar, robot: Robot, intersect: Intersect, foun
             message = f"module '{module}': solids overlap where it is fixed: {lines[0]}"
             help = ["move it by its `offset`, or place it by another port; `without` leaves out what makes room"]
             notes = cut(lines[1:], _MOST_NOTES)
-            found.add("SB166:overlap", message, sidecar.key_span("modules", module), help=help, notes=notes)
+            diagnostics.add("SB166:overlap", message, sidecar.key_span("modules", module), help=help, notes=notes)
 
 
 class _Shown(NamedTuple):

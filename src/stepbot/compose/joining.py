@@ -52,33 +52,35 @@ from .pruning import elements
 _Shape = TypeVar("_Shape", Visual, Collision)
 
 
-def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], found: Diagnostics) -> Robot | None:
+def composed(
+    sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], diagnostics: Diagnostics
+) -> Robot | None:
     """The robot of a sidecar with modules; None after errors.
 
     Args:
         own: The robot of :func:`stepbot.sidecar.own_part.own_part`; None if it has no links.
         robots: The robot of each module that names a file, as it is alone.
-        found: Receives SB135, SB152, SB154, SB158, SB160 and SB168.
+        diagnostics: Receives SB135, SB152, SB154, SB158, SB160 and SB168.
     """
-    parts = Parts(sidecar, robots, found).all()
-    _report_equal_names(sidecar, parts, found)
-    if found.has_errors:
+    parts = Parts(sidecar, robots, diagnostics).all()
+    _report_equal_names(sidecar, parts, diagnostics)
+    if diagnostics.has_errors:
         return None
-    ports = Ports(sidecar, own, parts, found)
-    places = Places(sidecar, own, parts, ports, found)
+    ports = Ports(sidecar, own, parts, diagnostics)
+    places = Places(sidecar, own, parts, ports, diagnostics)
     root = places.find()
     if root is None:
         return None
     ports.attach(mount.joint for mount in places.mounts.values())
-    robot = _Joining(sidecar, own, parts, ports, found).robot(root, places)
-    return tune_actuators(robot, sidecar, found)
+    robot = _Joining(sidecar, own, parts, ports, diagnostics).robot(root, places)
+    return tune_actuators(robot, sidecar, diagnostics)
 
 
 class _Joining:
     def __init__(
-        self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], ports: Ports, found: Diagnostics
+        self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], ports: Ports, diagnostics: Diagnostics
     ) -> None:
-        self._sidecar, self._own, self._parts, self._ports, self._found = sidecar, own, parts, ports, found
+        self._sidecar, self._own, self._parts, self._ports, self._diagnostics = sidecar, own, parts, ports, diagnostics
         self._document = sidecar.document
         self._robots = ([own] if own is not None else []) + [part.robot for part in parts.values()]
 
@@ -145,7 +147,7 @@ class _Joining:
             uses = ", ".join(f"{integrator} ('{name}')" for integrator, name in integrators.items())
             help = [f"choose one: `simulation: {{integrator: {next(iter(integrators))}}}`"]
             message = f"modules: different integrators: {uses}"
-            self._found.add("SB154", message, self._sidecar.key_span("modules"), help=help)
+            self._diagnostics.add("SB154", message, self._sidecar.key_span("modules"), help=help)
         steps = [one.timestep for one in stated.values() if one.timestep is not None]
         constrained = bool(whole.closures) or any(joint.mimic is not None for joint in whole.joints)
         if steps and constrained and any(one.timestep is None for one in stated.values()):
@@ -201,7 +203,7 @@ class _Joining:
         if offset is None:
             message = f"closure '{name}': origin: its links are not in one assembly"
             help = ["leave out `origin`: the ports coincide; `frames` can add a port"]
-            self._found.add("SB154", message, self._sidecar.span("closures", name, "origin"), help=help)
+            self._diagnostics.add("SB154", message, self._sidecar.span("closures", name, "origin"), help=help)
             offset = IDENTITY
         X_AF, X_BF = tidy(a.X_LP @ offset), tidy(b.X_LP @ offset)
         return LoopClosure(name, section.type, a.link, X_AF, b.link, X_BF, section.axis)
@@ -219,16 +221,16 @@ class _Joining:
         span = self._sidecar.span(*keys, "joint")
         if driven.kind not in ONE_FREEDOM:
             help = [f"types that can be actuated: {', '.join(ONE_FREEDOM)}"]
-            self._found.add("SB459", f"{who} of type {driven.kind} cannot be actuated", span, help=help)
+            self._diagnostics.add("SB459", f"{who} of type {driven.kind} cannot be actuated", span, help=help)
         elif driven.mimic is not None:
             leader = self._ports.path(driven.mimic.joint)
             message = f"{who} mimics joint '{leader}' and cannot be actuated"
-            self._found.add("SB459", message, span, help=[f"use joint '{leader}' instead"])
+            self._diagnostics.add("SB459", message, span, help=[f"use joint '{leader}' instead"])
         for first in whole.actuators:
             if (first.joint, first.kind) == (joint, actuator.kind):
                 message = f"{who}: duplicate {actuator.kind} actuator (the module's own is '{first.name}')"
                 help = [f"remove it, or leave the other out: `without: [{first.name}]`, by its name in its own file"]
-                self._found.add("SB459", message, span, help=help)
+                self._diagnostics.add("SB459", message, span, help=help)
         return replace(actuator, joint=joint)
 
     def _sensor(self, name: str, whole: Robot) -> Sensor | None:
@@ -348,7 +350,7 @@ def _equal(a: MeshAsset, b: MeshAsset) -> bool:
     return same and np.array_equal(a.mesh.faces, b.mesh.faces)
 
 
-def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diagnostics) -> None:
+def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], diagnostics: Diagnostics) -> None:
     """Report SB135: two elements with one name in the composed robot."""
     document = sidecar.document
     first: dict[tuple[str, str], tuple[str, str]] = {}
@@ -371,7 +373,7 @@ def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diag
             keys = ("modules", other, "prefix") if other else (f"{other_kind}s", name)
             notes = [f"the other at {sidecar.key_span(*keys)}"]
             help = ["remove `prefix`, or choose another one" if part.prefix == "" else "choose another `prefix`"]
-            found.add("SB135", message, sidecar.span("modules", module, "prefix"), help=help, notes=notes)
+            diagnostics.add("SB135", message, sidecar.span("modules", module, "prefix"), help=help, notes=notes)
 
 
 def _group(section: str) -> str:

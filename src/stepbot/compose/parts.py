@@ -78,11 +78,11 @@ class Parts:
     Args:
         sidecar: The composing file.
         robots: The robot of each module that names a file, as it is alone.
-        found: Receives SB158 and SB160.
+        diagnostics: Receives SB158 and SB160.
     """
 
-    def __init__(self, sidecar: Sidecar, robots: Mapping[str, Robot], found: Diagnostics) -> None:
-        self._sidecar, self._robots, self._found = sidecar, robots, found
+    def __init__(self, sidecar: Sidecar, robots: Mapping[str, Robot], diagnostics: Diagnostics) -> None:
+        self._sidecar, self._robots, self._diagnostics = sidecar, robots, diagnostics
         self._sections = sidecar.document.modules
         self._originals: dict[str, Robot] = {}
 
@@ -133,7 +133,7 @@ class Parts:
                 f"module '{name}': without: joint '{followed.joint}' mimics '{followed.leader}', which is left out"
             )
             help = [f"leave out '{followed.joint}', too"]
-            self._found.add("SB160", message, self._sidecar.span("modules", name, "without"), help=help)
+            self._diagnostics.add("SB160", message, self._sidecar.span("modules", name, "without"), help=help)
             return robot
 
     def _home(self, name: str, robot: Robot, section: ModuleSection) -> Robot:
@@ -149,7 +149,9 @@ class Parts:
             kind = known[joint].kind
             needed, who = position_dimension(kind), f"module '{name}': home"
             if needed is not None:
-                check_unit(self._sidecar, who, kind, position.dimension, needed, ("modules", name, *keys), self._found)
+                check_unit(
+                    self._sidecar, who, kind, position.dimension, needed, ("modules", name, *keys), self._diagnostics
+                )
             if leader_of(robot, joint) != joint:
                 help = [f"set '{leader_of(robot, joint)}', which it follows"]
                 self._wrong_home(name, keys, f"joint '{joint}' is a mimic", help)
@@ -199,26 +201,28 @@ class Parts:
         if threads:
             message = f"module '{name}': mirrored threads are left-handed: {listed(threads, _MOST_LISTED)}"
             help = ["describe the joint in the composing file if the spindle is a bought one"]
-            self._found.add("SB158:thread", message, span, help=help)
+            self._diagnostics.add("SB158:thread", message, span, help=help)
         names = [*robot.link_by_name, *robot.joint_by_name]
         sided = [one for one in names if any(side in one.lower() for side in _SIDES)]
         if sided:
             message = f"module '{name}': names of a mirrored module contain a side: {listed(sided, _MOST_LISTED)}"
-            self._found.add("SB158:side-name", message, span, help=["name them without a side in the module's file"])
+            self._diagnostics.add(
+                "SB158:side-name", message, span, help=["name them without a side in the module's file"]
+            )
         parts = unsymmetric(robot, image)
         if parts:
             message = f"module '{name}': not their own mirror image: {listed(parts, _MOST_LISTED)}"
-            self._found.add("SB168:shape", message, span)
+            self._diagnostics.add("SB168:shape", message, span)
         return image
 
     def _wrong_home(self, name: str, keys: tuple[str, ...], what: str, help: list[str]) -> None:
         place = self._sidecar.span("modules", name, *keys)
-        self._found.add("SB160", f"module '{name}': home: {what}", place, help=help)
+        self._diagnostics.add("SB160", f"module '{name}': home: {what}", place, help=help)
 
     def _unknown(self, name: str, keys: tuple[str | int, ...], one: str, what: str, known: list[str]) -> None:
         near = did_you_mean(one, known) or (f"known: {listed(known, _MOST_LISTED)}",)
         message = f"module '{name}': {keys[0]}: '{one}': {what} in '{self._robots_file(name)}'"
-        self._found.add("SB160", message, self._sidecar.span("modules", name, *keys), help=near)
+        self._diagnostics.add("SB160", message, self._sidecar.span("modules", name, *keys), help=near)
 
     def _robots_file(self, name: str) -> str:
         section = self._sections[name]

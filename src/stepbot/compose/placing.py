@@ -51,15 +51,15 @@ class Places:
         own: Its own links, tied together by joints whose names begin with :data:`TIE`, or None.
         parts: Its modules.
         ports: Resolves references.
-        found: Receives SB154 and SB168:place.
+        diagnostics: Receives SB154 and SB168:place.
     """
 
     def __init__(
-        self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], ports: Ports, found: Diagnostics
+        self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], ports: Ports, diagnostics: Diagnostics
     ) -> None:
-        self._sidecar, self._own, self._parts, self._ports, self._found = sidecar, own, parts, ports, found
+        self._sidecar, self._own, self._parts, self._ports, self._diagnostics = sidecar, own, parts, ports, diagnostics
         self._document = sidecar.document
-        self._images = Images(sidecar, parts, ports, found)
+        self._images = Images(sidecar, parts, ports, diagnostics)
         joints = own.joints if own is not None else ()
         self._own_roots = [own.root.name] if own is not None else []
         self._own_roots += [joint.child for joint in joints if joint.name.startswith(TIE)]
@@ -85,7 +85,7 @@ class Places:
         for name, module in self._document.modules.items():
             if name in self._parts:
                 self._module(name, module)
-        if self._found.has_errors:
+        if self._diagnostics.has_errors:
             return None
         mounts = dict(self.mounts)  # those in the world, before one of the parts becomes the root
         root = self._root()
@@ -102,7 +102,7 @@ class Places:
                 return
             if above:
                 message = f"module '{name}': placed by `at` and by joint '{above[0]}'"
-                self._found.add("SB154", message, self._sidecar.span(*keys), help=["remove one of them"])
+                self._diagnostics.add("SB154", message, self._sidecar.span(*keys), help=["remove one of them"])
                 return
             port = self._ports.port(section.at, keys)
             if port is not None:
@@ -121,7 +121,7 @@ class Places:
         if off:
             message = f"module '{name}': not at the mirror image of the place of '{section.mirror_of}': {off}"
             help = ["without `at` it is placed there; a part that is turned instead of mirrored needs no `mirror_of`"]
-            self._found.add("SB168:place", message, self._sidecar.span("modules", name, "at"), help=help)
+            self._diagnostics.add("SB168:place", message, self._sidecar.span("modules", name, "at"), help=help)
 
     def _off(self, name: str, here: Port, there: Port, mounts: Mapping[str, Mount]) -> str:
         """How far a place is from the mirror image of the original's; empty if it is there, or if no image is known."""
@@ -200,7 +200,7 @@ class Places:
         self._reported.add(keys)
         message = f"{who}: '{port.link}' moves relative to the root link of its part"
         help = ["attach it by a port that is fixed to its root link, or close the loop by a closure"]
-        self._found.add("SB154", message, self._sidecar.span(*keys), help=help)
+        self._diagnostics.add("SB154", message, self._sidecar.span(*keys), help=help)
         return None
 
     def _joint(self, name: str, section: JointSection) -> None:
@@ -226,7 +226,7 @@ class Places:
             return offset
         message = f"joint '{name}': origin: its links are not in one assembly"
         help = ["leave out `origin`: the ports coincide; `frames` can add a port, `origin: {offset: ...}` moves it"]
-        self._found.add("SB154", message, self._sidecar.span("joints", name, "origin"), help=help)
+        self._diagnostics.add("SB154", message, self._sidecar.span("joints", name, "origin"), help=help)
         return None
 
     def _mirror(self, name: str, section: ModuleSection) -> None:
@@ -262,7 +262,7 @@ class Places:
             message = f"{self._label(root)}: placed by '{first}' and by '{mount.joint.name}'"
             place = self._sidecar.key_span("joints" if who in self._document.joints else "modules", who)
             help = ["remove one of them, or make one of the joints a closure"]
-            self._found.add("SB154", message, place, help=help)
+            self._diagnostics.add("SB154", message, place, help=help)
             return
         self.mounts[root] = mount
 
@@ -278,7 +278,7 @@ class Places:
             message = f"{self._label(root)}: no place; only one part can be the root, and {self._label(roots[0])} is"
             place = self._sidecar.key_span("modules", self._of_root[root]) if root in self._of_root else None
             help = ["`at: LINK_OR_FRAME` fixes it to a port; a joint with it as its child moves it"]
-            self._found.add("SB154", message, place or self._sidecar.key_span("links", root), help=help)
+            self._diagnostics.add("SB154", message, place or self._sidecar.key_span("links", root), help=help)
         return None
 
     def _freely(self, name: str, root: str, X_PC: Pose) -> Joint:
@@ -346,7 +346,7 @@ class Places:
                 message = f"{self._label(one)}: attached in a circle: {' -> '.join(ring)}"
                 help = ["attach one of them to another part, or remove its place: it is the root then"]
                 place = ("modules", self._of_root[one]) if one in self._of_root else ("links", one)
-                self._found.add("SB154", message, self._sidecar.key_span(*place), help=help)
+                self._diagnostics.add("SB154", message, self._sidecar.key_span(*place), help=help)
 
     def _part_root(self, link: str) -> str:
         for root, name in self._of_root.items():

@@ -37,11 +37,13 @@ class Ports:
         sidecar: The composing file.
         own: Its own links, or None.
         parts: Its modules; one with errors is not among them.
-        found: Receives SB152.
+        diagnostics: Receives SB152.
     """
 
-    def __init__(self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], found: Diagnostics) -> None:
-        self._sidecar, self._own, self._parts, self._found = sidecar, own, parts, found
+    def __init__(
+        self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], diagnostics: Diagnostics
+    ) -> None:
+        self._sidecar, self._own, self._parts, self._diagnostics = sidecar, own, parts, diagnostics
         self._links: dict[str, Pose] = {}
         self._frames: dict[str, Port] = {}
         self._joints: dict[str, Joint] = {}
@@ -119,7 +121,7 @@ class Ports:
         if not isinstance(origin, ExplicitOrigin) or origin.relative_to == "assembly":
             message = f"{subject((*keys, 'origin'))}: a module has no assembly here"
             help = [f"give a pose in a link or frame: `origin: {{xyz: [0, 0, 0], relative_to: {reference}}}`"]
-            self._found.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
+            self._diagnostics.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
             return None
         base = self.port(origin.relative_to, (*keys, "origin", "relative_to"))
         if base is None:
@@ -131,7 +133,7 @@ class Ports:
                 what = f"is in another part than '{reference}', and parts are attached to this frame"
             message = f"{subject((*keys, 'origin'))}: '{origin.relative_to}' {what}"
             help = [f"`relative_to: {reference}`, or a link or frame that is fixed to it"]
-            self._found.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
+            self._diagnostics.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
             return None
         return Port(link.link, X_LB @ base.X_LP @ Pose.from_xyz_rpy(origin.xyz, origin.rpy) @ moved_by(origin.offset))
 
@@ -174,7 +176,7 @@ class Ports:
                 if not self._in_circle:
                     message = f"frame '{name}': circular frame reference"
                     help = ["fix the frame to a link"]
-                    self._found.add("SB152", message, self._sidecar.span(*keys, "link"), help=help)
+                    self._diagnostics.add("SB152", message, self._sidecar.span(*keys, "link"), help=help)
                 self._in_circle |= self._resolving
                 return None
             self._resolving.add(name)
@@ -189,7 +191,7 @@ class Ports:
         names = list(dict.fromkeys(known))
         listed = ", ".join(names[:_MOST_LISTED]) + (", ..." if len(names) > _MOST_LISTED else "")
         help = (*_meant(name, names), *((f"{kind}: {listed}",) if names else ()))
-        self._found.add("SB152", f"{subject(keys)}: {what}", self._sidecar.span(*keys), help=help)
+        self._diagnostics.add("SB152", f"{subject(keys)}: {what}", self._sidecar.span(*keys), help=help)
 
 
 def _own_joints(sidecar: Sidecar) -> list[str]:

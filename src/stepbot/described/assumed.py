@@ -104,7 +104,7 @@ def _integrated(vertices: Array, faces: NDArray[np.int64]) -> MassProperties:
     return VolumeProperties.rounded(volume, com + center, inertia).unit_density
 
 
-def with_assumed(robot: Robot, solids: Mapping[str, MassProperties], density: float, found: list[Finding]) -> Robot:
+def with_assumed(robot: Robot, solids: Mapping[str, MassProperties], density: float, findings: list[Finding]) -> Robot:
     """The robot with assumed mass properties; each is listed.
 
     Args:
@@ -112,12 +112,12 @@ def with_assumed(robot: Robot, solids: Mapping[str, MassProperties], density: fl
         density: [kg/m^3].
     """
     links = tuple(
-        _assumed(link, solids[link.name], density, found) if link.name in solids else link for link in robot.links
+        _assumed(link, solids[link.name], density, findings) if link.name in solids else link for link in robot.links
     )
     return replace(robot, links=links)
 
 
-def _assumed(link: Link, solid: MassProperties, density: float, found: list[Finding]) -> Link:
+def _assumed(link: Link, solid: MassProperties, density: float, findings: list[Finding]) -> Link:
     given = link.mass_properties
     has_shape = solid.mass > 0.0 and _is_even(solid)
     what = "its geometry" if has_shape else "a ball, without geometry,"
@@ -129,7 +129,7 @@ def _assumed(link: Link, solid: MassProperties, density: float, found: list[Find
     else:
         made = (solid if has_shape else _ball(_LEAST)).scaled(density)
         text = f"{made.mass:.4g} kg, com and inertia assumed to be those of {what} {at}"
-    found.append(Finding(ASSUMED, f"link '{link.name}': {text}", _DIFFERS))
+    findings.append(Finding(ASSUMED, f"link '{link.name}': {text}", _DIFFERS))
     return replace(link, mass_properties=made)
 
 
@@ -152,7 +152,7 @@ _REMEDIES = {
 }
 
 
-def lumped(robot: Robot, found: list[Finding]) -> Robot:
+def lumped(robot: Robot, findings: list[Finding]) -> Robot:
     """The robot with impossible inertias of slight links on the heaviest of the links that they are fixed to.
 
     Many files have a root link for programs that need a mass there, of 1e-6 kg, with an inertia of ones or zeros. Links
@@ -174,7 +174,7 @@ def lumped(robot: Robot, found: list[Finding]) -> Robot:
             continue
         properties |= {name: replace(given, inertia=ZERO33), heaviest: sum_of_both}
         text = f"link '{name}': {fault}: added to that of '{heaviest}', which it is fixed to"
-        found.append(Finding(CHANGED_INERTIA, text, (Quantity.INERTIA,)))
+        findings.append(Finding(CHANGED_INERTIA, text, (Quantity.INERTIA,)))
     links = tuple(replace(link, mass_properties=properties[link.name]) for link in robot.links)
     return replace(robot, links=links)
 
@@ -189,7 +189,7 @@ def _in_bodies(robot: Robot) -> dict[str, tuple[str, Pose]]:
     return X_BL
 
 
-def check_inertials(robot: Robot, found: Diagnostics, span: Span) -> None:
+def check_inertials(robot: Robot, diagnostics: Diagnostics, span: Span) -> None:
     """Warn of a com or an inertia that no mass within the geometry of its rigid body has (SB518).
 
     Links that are fixed to each other are one body: descriptions often draw on one link what they weigh on another.
@@ -204,7 +204,7 @@ def check_inertials(robot: Robot, found: Diagnostics, span: Span) -> None:
         body, X = X_BL[link.name]
         if link.mass_properties.mass > 0.0:
             for doubt in inertial_doubts(link.mass_properties, X.inverse().apply(known[body])):
-                found.add(doubt.code, f"link '{link.name}': {doubt.message}", span, help=(_REMEDIES[doubt.code],))
+                diagnostics.add(doubt.code, f"link '{link.name}': {doubt.message}", span, help=(_REMEDIES[doubt.code],))
 
 
 def _points(link: Link, robot: Robot, X_BL: Pose) -> Array:

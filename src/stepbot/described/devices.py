@@ -18,11 +18,13 @@ from .finding import DEVICE, RENAMED, Finding
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 
 
-def actuators_of(description: Description, joints: Mapping[str, Joint], found: list[Finding]) -> tuple[Actuator, ...]:
+def actuators_of(
+    description: Description, joints: Mapping[str, Joint], findings: list[Finding]
+) -> tuple[Actuator, ...]:
     """The actuators that move one joint; others are listed."""
     actuators = []
     taken: set[str] = set()
-    for one in _without_alternatives(description.observation, found):
+    for one in _without_alternatives(description.observation, findings):
         joint = joints.get(one.joint)
         powerless = _powerless(one)
         known = one.kind in set(ActuatorKind)
@@ -32,18 +34,18 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
             on = f" on '{one.joint}'" if one.joint else ""
             why = f" with a {powerless} of 0" if powerless else f", which follows '{leader}'" if is_led else ""
             text = f"actuator '{one.name}' of type '{one.kind}'{on}{why}: not converted"
-            found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
+            findings.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
             continue
         name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
         gear = one.gear or 1.0
-        limit = _own_limit(one, name, gear, joint.limit, found)
+        limit = _own_limit(one, name, gear, joint.limit, findings)
         tuning = Tuning(at_least=True, assumed=True) if _gain(one) is None else None
         kp, kv = (0.0, 0.0) if tuning else (one.kp or 0.0, one.kv or 0.0)
         actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), kp, kv, gear, limit, tuning))
     return tuple(actuators)
 
 
-def _without_alternatives(seen: Observation, found: list[Finding]) -> list[ObservedActuator]:
+def _without_alternatives(seen: Observation, findings: list[Finding]) -> list[ObservedActuator]:
     """The actuators without the further command interfaces of a URDF's joint: ros2_control claims one at a time.
 
     Of those without a transmission the first of position, velocity and effort stays, if no transmission drives the
@@ -66,7 +68,7 @@ def _without_alternatives(seen: Observation, found: list[Finding]) -> list[Obser
         text = (
             f"command interface of type '{one.kind}' on '{one.joint}': not converted, as that of type '{first.kind}' is"
         )
-        found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
+        findings.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
     return kept
 
 
@@ -82,22 +84,22 @@ def _powerless(one: ObservedActuator) -> str:
     return "gain" if one.kind in set(ActuatorKind) and _gain(one) == 0.0 else ""
 
 
-def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, found: list[Finding]) -> Limit:
+def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, findings: list[Finding]) -> Limit:
     """What the actuator's ranges limit beyond its joint, at the joint."""
     motor = one.kind == ActuatorKind.MOTOR
     low, high = sorted(bound * (gear if motor else 1.0 / gear) for bound in one.control or (-inf, inf))
     force = sorted(bound * gear for bound in one.force or (-inf, inf))
-    effort = _symmetric(force[0], force[1], f"actuator '{name}': force", found)
+    effort = _symmetric(force[0], force[1], f"actuator '{name}': force", findings)
     limit = Limit()
     if one.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
         if one.control is not None and (-inf < low < joint.lower or inf > high > joint.upper):
             text = f"actuator '{name}': inputs beyond the limits of joint '{one.joint}' are not converted"
-            found.append(Finding(DEVICE, f"{text}: {max(low, joint.lower):g} to {min(high, joint.upper):g} taken"))
+            findings.append(Finding(DEVICE, f"{text}: {max(low, joint.lower):g} to {min(high, joint.upper):g} taken"))
     elif one.kind == ActuatorKind.VELOCITY:
-        limit = Limit(velocity=_symmetric(low, high, f"actuator '{name}': speed", found), effort=effort)
+        limit = Limit(velocity=_symmetric(low, high, f"actuator '{name}': speed", findings), effort=effort)
     elif motor:
-        limit = Limit(effort=min(_symmetric(low, high, f"actuator '{name}': control", found), effort))
+        limit = Limit(effort=min(_symmetric(low, high, f"actuator '{name}': control", findings), effort))
     return Limit(
         limit.lower if limit.lower > joint.lower else -inf,
         limit.upper if limit.upper < joint.upper else inf,
@@ -106,18 +108,18 @@ def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, foun
     )
 
 
-def _symmetric(low: float, high: float, what: str, found: list[Finding]) -> float:
+def _symmetric(low: float, high: float, what: str, findings: list[Finding]) -> float:
     """The bound of both sides of a range; of one that is not symmetric, that of the narrower side, unless it is 0."""
     narrow, wide = sorted((abs(low), abs(high)))
     if narrow != wide:
         bounds = f"from {low + 0.0:g} to {high + 0.0:g} at the joint"
         text = f"{what} {bounds}: not symmetric, {narrow or wide:g} taken for both directions"
-        found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
+        findings.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
     return narrow or wide
 
 
 def sensors_of(
-    seen: Iterable[ObservedSensor], joints: Sequence[Joint], links: set[str], found: list[Finding]
+    seen: Iterable[ObservedSensor], joints: Sequence[Joint], links: set[str], findings: list[Finding]
 ) -> tuple[Sensor, ...]:
     """The sensors of the model's kinds; others are listed."""
     children = {joint.name: joint.child for joint in joints}
@@ -128,20 +130,20 @@ def sensors_of(
         name = one.name and free_name(one.name, "_2", taken)  # a name is used twice, such as by sensors of two links
         link = children.get(one.joint or "", "") if kind in _ON_JOINTS else one.link
         if kind is None or not link or link not in links:
-            found.append(
+            findings.append(
                 Finding(DEVICE, f"sensor '{one.name}' of type '{one.kind}': not converted", (Quantity.SENSORS,))
             )
             continue
         if kind is SensorKind.LIDAR and (one.columns or 0) > MOST_RAYS:
             text = f"sensor '{one.name}': {one.columns} rays, more than {MOST_RAYS}: not converted"
-            found.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
+            findings.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
             continue
         if kind is SensorKind.LIDAR and (one.rows or 1) > 1:
             text = f"sensor '{one.name}': {one.rows} rows of rays: one converted, level with its frame"
-            found.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
+            findings.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
             one = replace(one, rows=1)
         if name != one.name:
-            found.append(Finding(RENAMED, f"sensor '{one.name}' of link '{link}' is renamed to '{name}'"))
+            findings.append(Finding(RENAMED, f"sensor '{one.name}' of link '{link}' is renamed to '{name}'"))
         name = name or free_name(f"{one.joint or link}_{kind.value}_{number}", "_2", taken)
         X_LS = (one.X_LS or IDENTITY) if kind in PLACED else IDENTITY
         joint = (one.joint or "") if kind in _ON_JOINTS else ""

@@ -114,7 +114,7 @@ def valid_file_name(name: str) -> str:
     return f"{valid}_robot" if is_device(valid) else valid
 
 
-def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, NewNames]:
+def with_valid_names(robot: Robot, findings: list[Finding]) -> tuple[Robot, NewNames]:
     """The robot with valid names, unique within their kind, and the new names."""
     taken: set[str] = set()
     links = _renamed((link.name for link in robot.links), "link", taken)
@@ -129,9 +129,9 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, NewName
     for kind, of_kind in zip(("link", "joint", "frame", "closure", "actuator", "sensor"), maps, strict=True):
         for old, new in of_kind.items():
             if old != new:
-                found.append(Finding(RENAMED, f"{kind} '{old}' is renamed to '{new}'"))
+                findings.append(Finding(RENAMED, f"{kind} '{old}' is renamed to '{new}'"))
     if name != robot.name:
-        found.append(Finding(RENAMED, f"robot '{robot.name}' is renamed to '{name}'"))
+        findings.append(Finding(RENAMED, f"robot '{robot.name}' is renamed to '{name}'"))
     with_names = renamed(
         replace(robot, name=name),
         link=links.__getitem__,
@@ -149,7 +149,7 @@ def _renamed(names: Iterable[str], kind: str, taken: set[str]) -> dict[str, str]
     return {name: free_name(valid_name(name, kind), f"_{kind}", taken) for name in names}
 
 
-def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Finding]) -> Iterator[LoopClosure]:
+def closures_of(seen: Iterable[ObservedClosure], links: set[str], findings: list[Finding]) -> Iterator[LoopClosure]:
     """The closures; those of other kinds are listed."""
     for number, one in enumerate(seen, start=1):
         name = one.name or f"closure {number}"
@@ -167,7 +167,7 @@ def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Fi
             or X_BF is None
             or not {one.link_a, one.link_b} <= links
         ):
-            found.append(
+            findings.append(
                 Finding(
                     UNSUPPORTED,
                     f"closure '{name}' of type '{one.kind}' between '{one.link_a}' and '{one.link_b}' is not supported",
@@ -262,20 +262,20 @@ def robot_of_description(
     return Described(robot, tuple(found), known, names, shapes.pieces, around)
 
 
-def _with_volume(description: Description, found: list[Finding]) -> Description:
+def _with_volume(description: Description, findings: list[Finding]) -> Description:
     """The description without primitives of size 0 or less, which engines reject; lists approximated shapes, too."""
     kept = []
     for shape in description.shapes:
         if shape.approximated:
             kind = "collision" if shape.collides else "visual"
             text = f"link '{shape.link}': {kind} with {shape.approximated}: approximated by a mesh"
-            found.append(Finding(LOST, text, (Quantity.MESHES,)))
+            findings.append(Finding(LOST, text, (Quantity.MESHES,)))
         if isinstance(shape.geometry, TriMesh) or min(half_size(shape.geometry)) > 0.0:
             kept.append(shape)
             continue
         kind, form = "collision" if shape.collides else "visual", type(shape.geometry).__name__.lower()
         text = f"link '{shape.link}': {kind} with a {form} without volume: not converted"
-        found.append(Finding(LOST, text, (Quantity.SHAPES, Quantity.MESHES)))
+        findings.append(Finding(LOST, text, (Quantity.SHAPES, Quantity.MESHES)))
     return replace(description, shapes=tuple(kept))
 
 
@@ -293,7 +293,7 @@ def _with_turned_balls(robot: Robot) -> Robot:
     return replace(robot, closures=tuple(turned.get(one.name, one) for one in robot.closures))
 
 
-def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
+def _link(link: ObservedLink, shapes: Shapes, findings: list[Finding]) -> Link:
     mass, text, inertia = MassProperties(), "", np.array(link.inertia or ZERO33)
     if link.mass:
         added = _least_moment_of(inertia)
@@ -306,7 +306,7 @@ def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
         text = f"link '{link.name}': inertia without mass is not converted"
     if text:
         changed = (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS)
-        found.append(Finding(CHANGED_INERTIA, text, changed))
+        findings.append(Finding(CHANGED_INERTIA, text, changed))
     return Link(link.name, mass, shapes.visuals(link.name), shapes.collisions(link.name))
 
 
@@ -323,7 +323,7 @@ def _least_moment_of(inertia: Array) -> float:
     return max(LEAST_MOMENT, 2.0 * rounding) if is_rod else 0.0
 
 
-def _without_world(robot: Robot, found: list[Finding]) -> Robot:
+def _without_world(robot: Robot, findings: list[Finding]) -> Robot:
     """A bare root link called ``world`` above one fixed or floating joint is the world: the link below is the root."""
     below = [joint for joint in robot.joints if joint.parent == robot.root.name]
     root, first = robot.root, robot.joints[0] if robot.joints else None
@@ -334,7 +334,7 @@ def _without_world(robot: Robot, found: list[Finding]) -> Robot:
     if root.name in held.union(frame.link for frame in robot.frames):
         return robot
     below_world = replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=_BASES[first.kind])
-    _report_place(below_world, first.X_PC, found)
+    _report_place(below_world, first.X_PC, findings)
     return below_world
 
 
@@ -344,7 +344,7 @@ def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
     return tuple(sorted(pair for pair in seen.excluded_pairs or () if frozenset(pair) not in ours))
 
 
-def _report_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
+def _report_contacts(robot: Robot, seen: Observation, findings: list[Finding]) -> None:
     """Adjacent links that collide in the file, and links that have shapes there alone.
 
     In MuJoCo, a base that is fixed to the world collides with the links next to it, and the world of a file may have
@@ -358,15 +358,15 @@ def _report_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> N
     if pairs:
         links = ", ".join(f"'{a}' and '{b}'" for a, b in pairs)
         text = f"contacts between adjacent links, which the written files exclude: {links}"
-        found.append(Finding(LOST, text, (Quantity.CONTACTS,)))
+        findings.append(Finding(LOST, text, (Quantity.CONTACTS,)))
     bare = sorted({link for pair in seen.excluded_pairs for link in pair} - solid)
     if bare:
         links = ", ".join(f"'{link}'" for link in bare)
         text = f"contacts with shapes that are not converted, of links {links}"
-        found.append(Finding(LOST, text, (Quantity.CONTACTS,)))
+        findings.append(Finding(LOST, text, (Quantity.CONTACTS,)))
 
 
-def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
+def _report_place(robot: Robot, X_WR: Pose, findings: list[Finding]) -> None:
     """The pose of the root in the world of the file; a floating robot stands on the floor wherever it is."""
     (x, y, z), (roll, pitch, yaw) = X_WR.position, X_WR.rpy
     if X_WR.is_identity or (robot.base is Base.FLOATING and not (x or y or roll or pitch or yaw)):
@@ -376,6 +376,6 @@ def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
     if roll or pitch:
         held = robot.base is Base.FIXED
         effect = "gravity acts in another direction of the robot" if held else "the robot starts upright"
-        found.append(Finding(LOST, f"{text}; {effect}", (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)))
+        findings.append(Finding(LOST, f"{text}; {effect}", (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)))
         return
-    found.append(Finding(REARRANGED, text))
+    findings.append(Finding(REARRANGED, text))

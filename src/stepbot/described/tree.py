@@ -35,7 +35,7 @@ _UNLIMITED = (
 )
 
 
-def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint], dict[str, Link]]:
+def tree_of(description: Description, findings: list[Finding]) -> tuple[list[Joint], dict[str, Link]]:
     """Joints from the root on, each parent before its children, and the links that stand between several joints."""
     seen = description.observation
     names = [link.name for link in seen.links]
@@ -44,10 +44,12 @@ def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint]
         if joint.child in names and joint.parent in names:
             above.setdefault(joint.child, []).append(joint)
         else:
-            found.append(Finding(UNSUPPORTED, f"joint '{joint.name}' between '{joint.parent}' and '{joint.child}'"))
+            findings.append(Finding(UNSUPPORTED, f"joint '{joint.name}' between '{joint.parent}' and '{joint.child}'"))
     root = next((name for name in names if name not in above), names[0])
-    found.extend(Finding(UNSUPPORTED, f"joint '{joint.name}' closes a cycle of links") for joint in above.pop(root, []))
-    return _Tree(description, above, found).grown(root)
+    findings.extend(
+        Finding(UNSUPPORTED, f"joint '{joint.name}' closes a cycle of links") for joint in above.pop(root, [])
+    )
+    return _Tree(description, above, findings).grown(root)
 
 
 def surroundings_of(description: Description) -> frozenset[str]:
@@ -95,14 +97,14 @@ class _Tree:
     """A tree that grows from its root."""
 
     def __init__(
-        self, description: Description, above: Mapping[str, list[ObservedJoint]], found: list[Finding]
+        self, description: Description, above: Mapping[str, list[ObservedJoint]], findings: list[Finding]
     ) -> None:
         seen = description.observation
         self._X_PC, self._poses = description.X_PC, seen.poses[0] if seen.poses else {}
         self._free = set(description.free_roots)
         self._are_loose_links_unknown = seen.format == "urdf"
         self._names = [link.name for link in seen.links]
-        self._above, self._found = above, found
+        self._above, self._findings = above, findings
         self._below: dict[str, list[str]] = {}
         for child, joints in above.items():
             self._below.setdefault(joints[0].parent, []).append(child)
@@ -136,11 +138,11 @@ class _Tree:
         free = [link for link in (loose, root) if link in self._free]
         if free:
             text = f"link '{loose}' is not connected to '{root}': '{free[0]}' moves freely"
-            self._found.append(Finding(UNSUPPORTED, text, help=(_TWO_ROBOTS,)))
+            self._findings.append(Finding(UNSUPPORTED, text, help=(_TWO_ROBOTS,)))
         else:
             text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
             code = TAKEN_AS_FIXED if self._are_loose_links_unknown else REARRANGED
-            self._found.append(Finding(code, text, (Quantity.JOINTS,)))
+            self._findings.append(Finding(code, text, (Quantity.JOINTS,)))
 
     def _chain(self, child: str) -> list[Joint]:
         """The joints above a link; anchors beside its origin become links in between."""
@@ -149,7 +151,7 @@ class _Tree:
         strange = [joint for joint in found if joint.parent != parent]
         for joint in strange:
             text = f"joint '{joint.name}': a second parent '{joint.parent}' of link '{child}'"
-            self._found.append(Finding(UNSUPPORTED, text))
+            self._findings.append(Finding(UNSUPPORTED, text))
         whole = found[0] if len(found) == 1 and _is_one(found[0]) else None
         steps = [whole] if whole else [step for joint in found for step in (joint.steps or (joint,))]
         steps = [replace(step, anchor=ZERO3) if step.kind == JointKind.FIXED else step for step in steps]
@@ -160,7 +162,7 @@ class _Tree:
             is_last = index == len(steps) - 1
             to = child if is_last and step.anchor == ZERO3 else self._between(child, index)
             name = step.name or free_name(f"{child}_fixed", "_joint", self._taken)
-            chain.append(_joint(step, name, parent, to, X_PJ, self._found))
+            chain.append(_joint(step, name, parent, to, X_PJ, self._findings))
             if not is_last:
                 X_PJ = Pose.of(position=np.subtract(steps[index + 1].anchor, step.anchor))
             parent = to
@@ -172,7 +174,9 @@ class _Tree:
         if added:
             many = f"{len(steps)} joints" if len(steps) > 1 else f"joint '{steps[0].name}' beside its origin"
             links = ", ".join(f"'{name}'" for name in added)
-            self._found.append(Finding(REARRANGED, f"link '{child}': {many}, so links without mass are added: {links}"))
+            self._findings.append(
+                Finding(REARRANGED, f"link '{child}': {many}, so links without mass are added: {links}")
+            )
         return chain
 
     def _between(self, child: str, index: int) -> str:
@@ -200,30 +204,32 @@ def _differing(joint: ObservedJoint) -> bool:
     return not (bare and free)
 
 
-def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, found: list[Finding]) -> Joint:
+def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, findings: list[Finding]) -> Joint:
     known = seen.kind in set(JointKind)
     kind = JointKind(seen.kind) if known else JointKind.FIXED
     if not known:
-        found.append(Finding(UNSUPPORTED, f"joint '{name}' of type '{seen.kind}' is not supported: fixed in its place"))
+        findings.append(
+            Finding(UNSUPPORTED, f"joint '{name}' of type '{seen.kind}' is not supported: fixed in its place")
+        )
     limit = seen.limit or Limit()
     unknown = [field for field, _ in _UNLIMITED if isnan(getattr(limit, field))]
     if unknown:
         text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
-        found.append(Finding(LOST, text))
+        findings.append(Finding(LOST, text))
     if kind is JointKind.REVOLUTE and limit.lower <= -NO_BOUND and limit.upper >= NO_BOUND:
         kind, limit = JointKind.CONTINUOUS, replace(limit, lower=-inf, upper=inf)
     zero = [field for field in NEVER_ZERO if getattr(limit, field) == 0.0]
     if zero:
         text = f"joint '{name}': {' and '.join(zero)} limit of 0, at which nothing moves: read as unlimited"
-        found.append(Finding(OPEN_LIMIT, text))
+        findings.append(Finding(OPEN_LIMIT, text))
         limit = replace(limit, **dict.fromkeys(zero, inf))
     if kind is JointKind.BALL and isfinite(limit.upper):
         text = f"joint '{name}': the cone of {limit.upper:g} rad that limits it: not converted"
-        found.append(Finding(LOST, text, (Quantity.JOINTS, Quantity.LIMITS)))
+        findings.append(Finding(LOST, text, (Quantity.JOINTS, Quantity.LIMITS)))
         limit = replace(limit, lower=-inf, upper=inf)
     axis = seen.axis or (0.0, 0.0, 1.0)
     if kind.has_axis and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
-        found.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))
+        findings.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))
         kind = JointKind.FIXED
     if kind is JointKind.FIXED:
         return Joint(name, kind, parent, child, X_PC)
@@ -249,7 +255,7 @@ def _dynamics(seen: JointDynamics) -> JointDynamics:
     return JointDynamics(**(known if known["stiffness"] else {**known, "spring_reference": 0.0}))
 
 
-def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, found: list[Finding]) -> tuple[Joint, ...]:
+def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, findings: list[Finding]) -> tuple[Joint, ...]:
     """The joints; one whose limits leave a single position is fixed there, and so is what follows it.
 
     MuJoCo has no such joint, and ROS moves it as little as a fixed one.
@@ -271,7 +277,7 @@ def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, found: list[Findin
     at = {name: q for name, q in at.items() if isfinite(q)}  # others are rejected with the robot's numbers
     for name, q in at.items():
         differs = () if of_urdf and q == 0.0 else _OF_LOCKED
-        found.append(Finding(OPEN_LIMIT, f"{text[name]}: converted to a fixed joint", differs))
+        findings.append(Finding(OPEN_LIMIT, f"{text[name]}: converted to a fixed joint", differs))
     return tuple(
         Joint(one.name, JointKind.FIXED, one.parent, one.child, tidy(one.X_PC @ displacement(one, at[one.name])))
         if one.name in at
@@ -280,7 +286,7 @@ def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, found: list[Findin
     )
 
 
-def without_broken_mimics(joints: Sequence[Joint], found: list[Finding]) -> tuple[Joint, ...]:
+def without_broken_mimics(joints: Sequence[Joint], findings: list[Finding]) -> tuple[Joint, ...]:
     """The joints; a mimic whose leader does not move, or that follows itself, is dropped and listed."""
     by_name = {joint.name: joint for joint in joints if joint.kind in MOVING}
     kept = []
@@ -292,13 +298,13 @@ def without_broken_mimics(joints: Sequence[Joint], found: list[Finding]) -> tupl
             leader = by_name.get(leader.mimic.joint)
         if joint.mimic is not None and (leader is None or leader.mimic is not None):
             text = f"joint '{joint.name}' mimics '{joint.mimic.joint}', which does not move by itself"
-            found.append(Finding(UNSUPPORTED, text))
+            findings.append(Finding(UNSUPPORTED, text))
             joint = replace(joint, mimic=None)
         kept.append(joint)
     return tuple(kept)
 
 
-def at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
+def at_initial(robot: Robot, initial: Mapping[str, float], findings: list[Finding] | None) -> Robot:
     """The robot in the initial pose of its file; with ``found``, joints outside their limits are moved to them.
 
     Leaders are moved to where their followers are within limits, too, and the other joints of a loop follow.
@@ -306,7 +312,7 @@ def at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] 
     leaders = [joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None]
     stated = {joint.name: initial.get(joint.name, 0.0) for joint in robot.joints}
     robot = _with_followers(robot, stated)
-    if found is None:
+    if findings is None:
         return robot
     bounds = _bounds(robot)
     inside = {
@@ -328,7 +334,7 @@ def at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] 
         else:
             continue
         text = f"joint '{joint.name}': initial position {before:g} {why}: {q:g} taken"
-        found.append(Finding(MOVED, text, (Quantity.INITIAL,), () if closed else (_WIDEN,)))
+        findings.append(Finding(MOVED, text, (Quantity.INITIAL,), () if closed else (_WIDEN,)))
     return placed
 
 

@@ -108,7 +108,7 @@ class Diagnostics:
     """The diagnostics of one run, in the order in which they were added."""
 
     def __init__(self) -> None:
-        self._found: dict[Diagnostic, None] = {}
+        self._reported: dict[Diagnostic, None] = {}
         self._ignores: list[Ignore] = []
         self._ignored: dict[Diagnostic, None] = {}
 
@@ -128,13 +128,13 @@ class Diagnostics:
         taken = list(diagnostics)
         for diagnostic in taken:
             ignored = any(rule.covers(diagnostic) for rule in self._ignores)
-            (self._ignored if ignored else self._found)[diagnostic] = None
+            (self._ignored if ignored else self._reported)[diagnostic] = None
         return taken
 
     def ignore(self, rules: Iterable[Ignore]) -> None:
         """Suppress diagnostics that match these rules, already added ones included."""
         self._ignores += rules
-        found, self._found = self._found, {}
+        found, self._reported = self._reported, {}
         self.extend(found)
 
     def ignores_at(self, code: str, span: Span) -> bool:
@@ -156,27 +156,27 @@ class Diagnostics:
         return tuple(rule for rule in self._ignores if not any(map(rule.covers, self._ignored)))
 
     def __iter__(self) -> Iterator[Diagnostic]:
-        return iter(self._found)
+        return iter(self._reported)
 
     def __len__(self) -> int:
-        return len(self._found)
+        return len(self._reported)
 
     @property
     def has_errors(self) -> bool:
         """Whether any diagnostic is an error."""
-        return any(d.severity == "error" for d in self._found)
+        return any(d.severity == "error" for d in self._reported)
 
     @property
     def exit_code(self) -> ExitCode:
         """0 without errors, 1 with errors, 2 if stepbot could not run."""
-        errors = [d for d in self._found if d.severity == "error"]
+        errors = [d for d in self._reported if d.severity == "error"]
         if any(CODES[d.code].could_not_run for d in errors):
             return 2
         return 1 if errors else 0
 
     def make_strict(self) -> None:
         """Turn every warning into an error (``--strict``)."""
-        self._found = {d._replace(severity="error") if d.severity == "warning" else d: None for d in self._found}
+        self._reported = {d._replace(severity="error") if d.severity == "warning" else d: None for d in self._reported}
 
     def raise_if_errors(self) -> None:
         """Raise if any diagnostic is an error.

@@ -55,7 +55,7 @@ class Facts(Struct, frozen=True):
 NO_FACTS = Facts()
 
 
-def fact_evidence(survey: Survey, facts: Facts, found: Evidence) -> None:
+def fact_evidence(survey: Survey, facts: Facts, evidence: Evidence) -> None:
     """Add everything known.
 
     Raises:
@@ -64,12 +64,12 @@ def fact_evidence(survey: Survey, facts: Facts, found: Evidence) -> None:
     index = {part.path: i for i, part in survey.parts.items()}
     for a, b in facts.rigid:
         one, two = sorted((index[a], index[b]))
-        found.welds.append(Weld(1.0, one, two, STATED, priority=Priority.STATED))
+        evidence.welds.append(Weld(1.0, one, two, STATED, priority=Priority.STATED))
     for known in facts.joints:
         first, second = sorted((index[known.a], index[known.b]))
         axis2 = _axis(known.point, known.direction2) if known.direction2 is not None else None
         axis = _axis(known.point, known.direction)
-        found.joint(
+        evidence.joint(
             JointEvidence(1.0, first, second, known.type, axis, known.why, axis2=axis2, priority=Priority.STATED)
         )
 

@@ -158,18 +158,18 @@ class Inference:
 
 
 class _Drafting:
-    def __init__(self, assembly: Assembly, found: Inferred) -> None:
-        self._assembly, self._found = assembly, found
+    def __init__(self, assembly: Assembly, inferred: Inferred) -> None:
+        self._assembly, self._inferred = assembly, inferred
         self._origins = Origins(assembly)
-        self._link_of = {i: n for n, members in enumerate(found.links) for i in members}
-        self._claims = LinkClaims(assembly, found.links, found.root)
-        self._wheels = wheels(found.survey)
+        self._link_of = {i: n for n, members in enumerate(inferred.links) for i in members}
+        self._claims = LinkClaims(assembly, inferred.links, inferred.root)
+        self._wheels = wheels(inferred.survey)
         self._drawn: list[str] = []
         self._names = self._link_names()
 
     def draft(self, robot: str) -> Draft:
         """The inferred mechanism, as data."""
-        found = self._found
+        found = self._inferred
         order = [found.root, *(n for n in range(len(found.links)) if n != found.root)]
         tree = [arc for arc in found.arcs if not arc.is_closure]
         loops = [arc for arc in found.arcs if arc.is_closure]
@@ -177,7 +177,7 @@ class _Drafting:
             robot=robot,
             root=self._names[found.root],
             links=tuple(self._link(n) for n in order),
-            joints=geared(self._found, tree, [self._joint(arc) for arc in tree]),
+            joints=geared(self._inferred, tree, [self._joint(arc) for arc in tree]),
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._fused(h) for h in self._offered()),
             notes=(*self._stillness(), *self._drawn_off(), *found.survey.cut),
@@ -186,9 +186,9 @@ class _Drafting:
 
     def _stillness(self) -> tuple[str, ...]:
         """Why nothing moves, if nothing does."""
-        if any(arc.evidence.type != JointKind.FIXED and arc.evidence.score >= CHOSEN for arc in self._found.arcs):
+        if any(arc.evidence.type != JointKind.FIXED and arc.evidence.score >= CHOSEN for arc in self._inferred.arcs):
             return ()
-        lines = len({(h.a, h.b) for h in self._found.offered})
+        lines = len({(h.a, h.b) for h in self._inferred.offered})
         kinds = [self._assembly.bodies[one.body].kind for one in self._assembly.components if one.body >= 0]
         meshes = kinds.count(BodyKind.TESSELLATED)
         why = "no two parts share an axis about or along which only they could move"
@@ -203,7 +203,7 @@ class _Drafting:
 
     def _drawn_off(self) -> tuple[str, ...]:
         """The parts that are drawn off what they fit."""
-        survey = self._found.survey
+        survey = self._inferred.survey
         moved = [i for i in survey.moved if i not in survey.small]
         if not moved:
             return ()
@@ -214,30 +214,30 @@ class _Drafting:
     def _rolls(self, tree: Sequence[TreeJoint]) -> bool:
         """Whether nothing fixes the root to the ground: two wheels turn on it, or on any links what all stands on."""
         turning = [arc for arc in tree if self._is_wheel(arc, self._wheels)]
-        if len(turning) < 2 or len([arc for arc in turning if arc.parent == self._found.root]) > 1:
+        if len(turning) < 2 or len([arc for arc in turning if arc.parent == self._inferred.root]) > 1:
             return len(turning) > 1
-        standing = dict(rolling(self._found.survey))
+        standing = dict(rolling(self._inferred.survey))
         return len([arc for arc in turning if self._is_wheel(arc, standing)]) > 1
 
     def _is_wheel(self, arc: TreeJoint, known: Collection[int]) -> bool:
         """Whether a joint turns one of the known wheels about its axis of symmetry."""
         if arc.evidence.type != JointKind.REVOLUTE or arc.evidence.score < CHOSEN:
             return False
-        return is_wheel(self._found.survey, known, self._found.links[arc.child], arc.evidence.axis)
+        return is_wheel(self._inferred.survey, known, self._inferred.links[arc.child], arc.evidence.axis)
 
     def _fused(self, h: JointEvidence) -> Alternative:
         """A joint within a link, with the part that it would free and what holds that part."""
         found = self._alternative(h)
         link = self._link_of[h.a]
-        parts = self._found.survey.parts
+        parts = self._inferred.survey.parts
         if link != self._link_of[h.b] or parts[h.a].is_small or parts[h.b].is_small:
             return found
         moving = min((h.a, h.b), key=lambda i: (parts[i].volume, -i))
         if Role.MOTOR in parts[moving].roles and not h.drives:
             return found  # it shares a hole for a screw with what carries it
-        if parts[moving].volume < _SCREW * self._found.survey.volume and parts[moving].is_balanced(h.axis, _ROUGHLY):
+        if parts[moving].volume < _SCREW * self._inferred.survey.volume and parts[moving].is_balanced(h.axis, _ROUGHLY):
             return found  # a screw without a name
-        welds = [weld for weld in self._found.welds if (weld.a, weld.b) == (min(h.a, h.b), max(h.a, h.b))]
+        welds = [weld for weld in self._inferred.welds if (weld.a, weld.b) == (min(h.a, h.b), max(h.a, h.b))]
         held = max(welds, key=lambda weld: weld.score).why if welds else "other parts of the link hold both"
         freed = LinkClaims.name(self._claims, [parts[moving]])[0]
         return replace(
@@ -245,10 +245,10 @@ class _Drafting:
         )
 
     def _link(self, n: int) -> DraftLink:
-        members = self._found.links[n]
+        members = self._inferred.links[n]
         guesses = self._guesses(members)
         score = _GUESSED_LINK if guesses else _KNOWN_LINK
-        is_root = n == self._found.root
+        is_root = n == self._inferred.root
         return DraftLink(
             *(self._names[n], self._claims.paths(n), Confidence(score, guesses)),
             *(is_root, tuple(members)),
@@ -259,8 +259,8 @@ class _Drafting:
         """Why parts of a link were assigned to it, each reason with its parts."""
         about: dict[str, list[str]] = defaultdict(list)
         for i in members:
-            if i in self._found.guesses:
-                about[self._found.guesses[i]].append(self._assembly.components[i].path)
+            if i in self._inferred.guesses:
+                about[self._inferred.guesses[i]].append(self._assembly.components[i].path)
         return tuple(f"{why}: {listed(paths, _NAMED)}" for why, paths in about.items())
 
     def _joint(self, arc: TreeJoint) -> DraftJoint:
@@ -275,7 +275,7 @@ class _Drafting:
     def _has_mass(self, n: int) -> bool:
         """Whether a link has a body that a robot can be built with: engines have no moving links without mass."""
         components = self._assembly.components
-        return any(self._assembly.bodies[components[i].body].has_volume for i in self._found.links[n])
+        return any(self._assembly.bodies[components[i].body].has_volume for i in self._inferred.links[n])
 
     def _moving_joint(self, arc: TreeJoint) -> DraftJoint:
         found, confidence, doubt = self._origin(arc)
@@ -331,7 +331,7 @@ class _Drafting:
 
     def _as_drawn(self, h: JointEvidence) -> JointEvidence:
         """The evidence with its axes where the parts are drawn."""
-        axes = [axis and self._found.survey.as_drawn(axis, (h.a, h.b)) for axis in (h.axis, h.axis2)]
+        axes = [axis and self._inferred.survey.as_drawn(axis, (h.a, h.b)) for axis in (h.axis, h.axis2)]
         return replace(h, axis=axes[0] or h.axis, axis2=axes[1])
 
     def _alternatives(self, arc: TreeJoint) -> tuple[Alternative, ...]:
@@ -343,22 +343,22 @@ class _Drafting:
     def _offered_between(self) -> Mapping[frozenset[int], Sequence[JointEvidence]]:
         """Joints found, by their links."""
         found = defaultdict[frozenset[int], list[JointEvidence]](list)
-        for h in self._found.offered:
+        for h in self._inferred.offered:
             found[frozenset((self._link_of[h.a], self._link_of[h.b]))].append(h)
         return found
 
     def _offered(self) -> list[JointEvidence]:
         """Joints found within one link, or between links that another path joins."""
-        joined = {frozenset((arc.parent, arc.child)) for arc in self._found.arcs}
+        joined = {frozenset((arc.parent, arc.child)) for arc in self._inferred.arcs}
         free = [
             h
-            for h in self._found.offered
+            for h in self._inferred.offered
             if h.score >= _OFFERED and frozenset((self._link_of[h.a], self._link_of[h.b])) not in joined
         ]
-        return _distinct(free, [arc.evidence for arc in self._found.arcs if arc.evidence.type != JointKind.FIXED])
+        return _distinct(free, [arc.evidence for arc in self._inferred.arcs if arc.evidence.type != JointKind.FIXED])
 
     def _alternative(self, h: JointEvidence) -> Alternative:
-        axis = self._found.survey.as_drawn(h.axis, (h.a, h.b))
+        axis = self._inferred.survey.as_drawn(h.axis, (h.a, h.b))
         return Alternative(h.type, *self._paths(h), Confidence(h.score, (h.why,)), _point(axis), _direction(axis))
 
     def _paths(self, h: JointEvidence) -> tuple[str, str]:
@@ -368,9 +368,9 @@ class _Drafting:
     def _link_names(self) -> list[str]:
         """A name for each link; equal ones are numbered."""
         names: list[str] = []
-        for n, members in enumerate(self._found.links):
-            parts = [self._found.survey.parts[i] for i in members]
-            base, drawn = self._claims.name(parts, is_root=n == self._found.root)
+        for n, members in enumerate(self._inferred.links):
+            parts = [self._inferred.survey.parts[i] for i in members]
+            base, drawn = self._claims.name(parts, is_root=n == self._inferred.root)
             self._drawn.append("" if readable_name(drawn) == base else drawn)
             name, count = base, 1
             while name in names:

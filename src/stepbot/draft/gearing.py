@@ -16,7 +16,7 @@ from stepbot.robot.model import JointKind, Mimic
 _TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 
-def geared(found: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoint]) -> tuple[DraftJoint, ...]:
+def geared(inferred: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoint]) -> tuple[DraftJoint, ...]:
     """Joints, those that another one moves by a gear, a pulley or a rack with a ``mimic``.
 
     Args:
@@ -30,12 +30,12 @@ def geared(found: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoi
             one, two = tree[leader], tree[n]
             if one.parent != two.parent or two.evidence.drives or made[n].mimic is not None:
                 continue
-            members = found.links[one.child], found.links[two.child]
-            mesh = mesh_between(found.survey.meshes, *members, (one.evidence.axis, two.evidence.axis))
+            members = inferred.links[one.child], inferred.links[two.child]
+            mesh = mesh_between(inferred.survey.meshes, *members, (one.evidence.axis, two.evidence.axis))
             if mesh is not None:
                 made[n] = _turned(made[leader], made[n], mesh)
-    for rack in found.survey.rack_meshes:
-        _pull(found, tree, made, turning, rack)
+    for rack in inferred.survey.rack_meshes:
+        _pull(inferred, tree, made, turning, rack)
     return tuple(made)
 
 
@@ -50,15 +50,15 @@ def _turned(leader: DraftJoint, joint: DraftJoint, mesh: Mesh) -> DraftJoint:
 
 
 def _pull(
-    found: Inferred, tree: Sequence[TreeJoint], made: list[DraftJoint], turning: Sequence[int], mesh: RackMesh
+    inferred: Inferred, tree: Sequence[TreeJoint], made: list[DraftJoint], turning: Sequence[int], mesh: RackMesh
 ) -> None:
     """Let the joint along a rack follow that of its gear, if both are on one link."""
     gear = mesh.gear
     for k in turning:
-        if gear.part not in found.links[tree[k].child] or not tree[k].evidence.axis.same(gear.axis, SAME_GEAR):
+        if gear.part not in inferred.links[tree[k].child] or not tree[k].evidence.axis.same(gear.axis, SAME_GEAR):
             continue
         for n, joint in enumerate(made):
-            slides = joint.type is JointKind.PRISMATIC and mesh.part in found.links[tree[n].child]
+            slides = joint.type is JointKind.PRISMATIC and mesh.part in inferred.links[tree[n].child]
             if slides and tree[n].parent == tree[k].parent and joint.mimic is None and made[k].mimic is None:
                 axis, direction = (np.array(one.direction or ZERO3, float) for one in (made[k], joint))
                 advance = round(mesh.advance(axis, direction), 9)

@@ -99,7 +99,7 @@ def drive_files(
     document: Mapping[str, Any],
     files: Mapping[str, Path],
     demands: Demands,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     *,
     tests: Iterable[str] = (),
     timeout: float,
@@ -111,7 +111,7 @@ def drive_files(
         document: The parsed ``report.json`` of the robot.
         files: For each engine the file that it drives.
         demands: Limits, and tests that must apply.
-        found: Receives SB830, SB832 and SB835.
+        diagnostics: Receives SB830, SB832 and SB835.
         tests: The tests to run; empty for all that apply.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
@@ -121,7 +121,7 @@ def drive_files(
     """
     robot = robot_of_report(document)
     mechanism = mechanism_of(robot, tuple(document["robot"]["pybullet"]))
-    drive = _Drive(mechanism, files, demands, found, timeout, memory_limit, facts_of(document, robot))
+    drive = _Drive(mechanism, files, demands, diagnostics, timeout, memory_limit, facts_of(document, robot))
     survey = drive.survey()
     if survey is None:
         return Driven(robot.name)
@@ -130,7 +130,7 @@ def drive_files(
     wanted = tuple(tests)
     for test in dict.fromkeys((*wanted, *demands.tests)):
         if why[test]:
-            found.add("SB835", f"{test}: {why[test]}", Span(drive.shown))
+            diagnostics.add("SB835", f"{test}: {why[test]}", Span(drive.shown))
     chosen = tuple(test for test in TESTS if not why[test] and (not wanted or test in wanted))
     verdicts = drive.verdicts(
         {
@@ -151,12 +151,12 @@ class _Drive:
         mechanism: Mechanism,
         files: Mapping[str, Path],
         demands: Demands,
-        found: Diagnostics,
+        diagnostics: Diagnostics,
         timeout: float,
         memory_limit: int | None,
         facts: Facts,
     ) -> None:
-        self._mechanism, self._files, self._demands, self._found = mechanism, files, demands, found
+        self._mechanism, self._files, self._demands, self._diagnostics = mechanism, files, demands, diagnostics
         self._timeout, self._memory_limit, self._facts = timeout, memory_limit, facts
         self.shown = next(iter(files.values())).name
 
@@ -187,7 +187,7 @@ class _Drive:
         results = self._result(engine, worker)
         if results is None:
             return [Verdict(engine, test, Status.FAILED, "the engine did not finish") for test in tests]
-        return list(judge(engine, self._files[engine].name, results, self._demands, self._found, self._facts))
+        return list(judge(engine, self._files[engine].name, results, self._demands, self._diagnostics, self._facts))
 
     def _result(self, engine: str, worker: Worker) -> Any:
         """The result of a worker; None after SB832."""
@@ -197,9 +197,9 @@ class _Drive:
         except RemoteError as error:
             if error.kind != "EngineRefused":
                 raise
-            self._found.add("SB832", f"{engine}: {error.text}", span)
+            self._diagnostics.add("SB832", f"{engine}: {error.text}", span)
         except WorkerDied as death:
-            self._found.add("SB832", f"{engine}: {death.reason}", span, notes=death.last_lines)
+            self._diagnostics.add("SB832", f"{engine}: {death.reason}", span, notes=death.last_lines)
         return None
 
 
@@ -209,15 +209,15 @@ def missing_engines(names: Iterable[str]) -> dict[str, str]:
     return {name: reason for name, reason in reasons.items() if reason is not None}
 
 
-def report_missing_engines(missing: Mapping[str, str], found: Diagnostics) -> None:
+def report_missing_engines(missing: Mapping[str, str], diagnostics: Diagnostics) -> None:
     """Report engines that are needed and cannot run here (SB005).
 
     Args:
         missing: The engines, each with the reason.
-        found: Receives SB005.
+        diagnostics: Receives SB005.
     """
     installed = [name for name in ENGINES if name not in missing_engines(ENGINES)]
     for name, reason in missing.items():
         others = (f"or drive in the installed engine: --engine {installed[0]}",) if installed else ()
         help = (engine_of(name).install or f"pip install {name}", *others)
-        found.add("SB005", f"drive in {name}: {reason}", Span("stepbot"), help=help)
+        diagnostics.add("SB005", f"drive in {name}: {reason}", Span("stepbot"), help=help)

@@ -51,7 +51,7 @@ def judge(
     file: str,
     results: Iterable[Result | str],
     demands: Demands,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     facts: Facts | None = None,
 ) -> Iterator[Verdict]:
     """The verdict on each result.
@@ -59,13 +59,13 @@ def judge(
     Args:
         file: The file that it drove, for diagnostics.
         results: Results, or names of tests in which the simulation diverged.
-        found: Receives SB830.
+        diagnostics: Receives SB830.
         facts: What the robot's report states about remedies.
     """
     span = Span(file)
     for result in results:
         if isinstance(result, str):
-            found.add("SB830", f"{result} in {engine}: the simulation diverged", span)
+            diagnostics.add("SB830", f"{result} in {engine}: the simulation diverged", span)
             yield Verdict(engine, result, Status.FAILED, why="diverged")
             continue
         bounds = demands.limits[result.test]
@@ -76,7 +76,7 @@ def judge(
         for one in failed:
             bound = bounds[one.quantity]
             if one.quantity == "slip" and result.grips:
-                lost = _judge_grips(engine, span, result, bound, facts or Facts(), found)
+                lost = _judge_grips(engine, span, result, bound, facts or Facts(), diagnostics)
                 continue
             message = f"{result.test} in {engine}: {_excess(one, bound)}"
             notes: tuple[str, ...] = (f"the limit: {bound.why}",)
@@ -84,7 +84,7 @@ def judge(
             if result.spin is not None and one.quantity in _WAYS:
                 why, help = spin_words(result.spin, gains=engine == "mujoco")
                 notes = (why, *notes)
-            found.add("SB830", message, span, help=(help,), notes=notes)
+            diagnostics.add("SB830", message, span, help=(help,), notes=notes)
         status = Status.FAILED if failed else Status.PASSED
         yield Verdict(engine, result.test, status, lost, result, {name: bound.value for name, bound in bounds.items()})
 
@@ -96,7 +96,7 @@ def _excess(measure: Measure, bound: Bound) -> str:
     return f"{measure.quantity}{place} is {measure.value:.3g} {unit}, limit {bound.value:g} {unit}"
 
 
-def _judge_grips(engine: str, span: Span, result: Result, bound: Bound, facts: Facts, found: Diagnostics) -> str:
+def _judge_grips(engine: str, span: Span, result: Result, bound: Bound, facts: Facts, diagnostics: Diagnostics) -> str:
     """Report each gripper in which the cube slips (SB830); returns how cubes were lost."""
     fates = []
     for grip in result.grips:
@@ -107,7 +107,7 @@ def _judge_grips(engine: str, span: Span, result: Result, bound: Bound, facts: F
             fates.append(fate(grip))
         what = fates[-1] if lost else _excess(Measure("slip", grip.slip, f"{grip.joint}, {grip.cube}"), bound)
         notes = () if lost else (f"the limit: {bound.why}",)
-        found.add(
+        diagnostics.add(
             "SB830",
             f"{result.test} in {engine}: {what}",
             span,

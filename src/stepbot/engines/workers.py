@@ -181,25 +181,25 @@ _FATES = {
 }
 
 
-def check_required(names: Iterable[str], found: Diagnostics) -> None:
+def check_required(names: Iterable[str], diagnostics: Diagnostics) -> None:
     """Report required engines that are unknown or not installed (SB005)."""
     known = {engine.name: engine for engine in engines()}
     for name in names:
         engine = known.get(name.lower())
         if engine is None:
             help = did_you_mean(name.lower(), known) or (f"engines: {', '.join(known)}",)
-            found.add("SB005", f"--require {name}: no such engine", Span("stepbot"), help=help)
+            diagnostics.add("SB005", f"--require {name}: no such engine", Span("stepbot"), help=help)
             continue
         reason = engine.available()
         if reason is not None:
             install = engine.install or f"pip install {engine.name}"
-            found.add("SB005", f"--require {name}: {reason}", Span("stepbot"), help=(install,))
+            diagnostics.add("SB005", f"--require {name}: {reason}", Span("stepbot"), help=(install,))
 
 
-def check_started(required: Iterable[str], outcomes: Iterable[Outcome], found: Diagnostics) -> None:
+def check_started(required: Iterable[str], outcomes: Iterable[Outcome], diagnostics: Diagnostics) -> None:
     """Report required engines that are installed but did not start (SB005)."""
     installed = {engine.name for engine in engines() if engine.available() is None}
     wanted = {name.lower() for name in required} & installed
     for outcome in outcomes:
         if outcome.engine in wanted and outcome.fate is Fate.ABSENT:
-            found.add("SB005", f"--require {outcome.engine}: {outcome.reason}", Span("stepbot"))
+            diagnostics.add("SB005", f"--require {outcome.engine}: {outcome.reason}", Span("stepbot"))

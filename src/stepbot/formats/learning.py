@@ -64,14 +64,14 @@ def formats_for(programs: Sequence[str], formats: Sequence[str]) -> tuple[str, .
 
 
 def program_files(
-    programs: Sequence[str], lowered: Mapping[str, Robot], found: Diagnostics
+    programs: Sequence[str], lowered: Mapping[str, Robot], diagnostics: Diagnostics
 ) -> dict[str, dict[str, bytes]]:
     """For each format, the files of programs that load it, by path relative to the output folder.
 
     Args:
         programs: Names from :func:`program_names`.
         lowered: For each format, the robot as that format expresses it.
-        found: Receives SB644 for a robot that a program cannot use.
+        diagnostics: Receives SB644 for a robot that a program cannot use.
     """
     files: dict[str, dict[str, bytes]] = {}
     for name, program in PROGRAMS.items():
@@ -80,7 +80,7 @@ def program_files(
         robot = lowered[program.format]
         if why := program.rejects(robot):
             help = [*([program.remedy] if program.remedy else []), f"convert without `--for {name}`"]
-            found.add("SB644", f"{name}: {why}", Span(robot.source or robot.name), help=help)
+            diagnostics.add("SB644", f"{name}: {why}", Span(robot.source or robot.name), help=help)
             continue
         text = program.write(gears_at_joints(robot), main_file(robot, FORMATS[program.format]))
         path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"

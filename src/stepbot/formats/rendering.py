@@ -16,11 +16,11 @@ _CONTENTS: WeakKeyDictionary[MeshAsset, dict[tuple[str, Rgba | None], bytes]] = 
 """Bytes of the meshes currently in use: all formats refer to the same files, so they are made once."""
 
 
-def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
+def render(robot: Robot, name: str, diagnostics: Diagnostics) -> dict[str, bytes]:
     """The files of a robot in one format, by path relative to the output folder: the main file, then its meshes.
 
     Args:
-        found: Receives features that the format rewrites or lacks; after an error there are no files.
+        diagnostics: Receives features that the format rewrites or lacks; after an error there are no files.
 
     Raises:
         KeyError: There is no such format.
@@ -28,7 +28,7 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
     written = format_named(name)
     losses = Diagnostics()
     lowered = lower(robot, written, losses)
-    found.extend(losses)
+    diagnostics.extend(losses)
     return {} if losses.has_errors else files_of(lowered, written)
 
 

@@ -50,12 +50,14 @@ def compute(task: str, question: Any) -> Any:
         sys.exit(1)
 
 
-def report_death(death: WorkerDied, work: str, span: Span, found: Diagnostics) -> None:
+def report_death(death: WorkerDied, work: str, span: Span, diagnostics: Diagnostics) -> None:
     """Report that the process ended without a result.
 
     Args:
         work: Its task, as in "the process that measures meshes".
-        found: Receives SB902.
+        diagnostics: Receives SB902.
     """
     remedies = ["raise `--timeout` or `--memory-limit`"]
-    found.add("SB902", f"the process that {work} ended: {death.reason}", span, help=remedies, notes=death.last_lines)
+    diagnostics.add(
+        "SB902", f"the process that {work} ended: {death.reason}", span, help=remedies, notes=death.last_lines
+    )

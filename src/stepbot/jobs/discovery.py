@@ -16,21 +16,21 @@ _LIST = ".txt"
 _HAS_VARIANTS = re.compile(r"(?m)^[\"']?variants[\"']?\s*:")
 
 
-def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
+def find_sidecars(named: Iterable[Path], diagnostics: Diagnostics) -> list[Path]:
     """The sidecars of a list of paths, without duplicates, in order.
 
     Args:
         named: Sidecars; folders, for all sidecars below them except in hidden folders; or ``.txt`` files that list any
             of these, one per line, relative to the list. A line may be empty or begin with ``#``.
-        found: Receives SB001 for an unreadable list, and for a folder without sidecars.
+        diagnostics: Receives SB001 for an unreadable list, and for a folder without sidecars.
     """
     sidecars: dict[Path, None] = {}
-    for path in without_lists(named, found):
-        sidecars.update(dict.fromkeys(_in_folder(path, found) if is_folder(path) else [path]))
+    for path in without_lists(named, diagnostics):
+        sidecars.update(dict.fromkeys(_in_folder(path, diagnostics) if is_folder(path) else [path]))
     return list(sidecars)
 
 
-def without_lists(named: Iterable[Path], found: Diagnostics) -> Iterator[Path]:
+def without_lists(named: Iterable[Path], diagnostics: Diagnostics) -> Iterator[Path]:
     """The sidecars and folders of a list of paths, with what lists name in place of the lists (SB001: unreadable)."""
     waiting, read = list(named)[::-1], set[Path]()
     while waiting:
@@ -39,20 +39,20 @@ def without_lists(named: Iterable[Path], found: Diagnostics) -> Iterator[Path]:
             yield path
         elif resolved(path) not in read:  # lists may name each other
             read.add(resolved(path))
-            waiting += _listed(path, found)[::-1]
+            waiting += _listed(path, diagnostics)[::-1]
 
 
-def _listed(path: Path, found: Diagnostics) -> list[Path]:
+def _listed(path: Path, diagnostics: Diagnostics) -> list[Path]:
     try:
         lines = read_regular(path).decode("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        found.add("SB001", f"cannot read the list of sidecars: {error}", Span(path.as_posix()))
+        diagnostics.add("SB001", f"cannot read the list of sidecars: {error}", Span(path.as_posix()))
         return []
     entries = [line.strip() for line in lines]
     return [path.parent / entry for entry in entries if entry and not entry.startswith("#")]
 
 
-def _in_folder(folder: Path, found: Diagnostics) -> list[Path]:
+def _in_folder(folder: Path, diagnostics: Diagnostics) -> list[Path]:
     below = _below(folder)
     if not below:
         from stepbot.pipeline.conversion import is_description
@@ -64,7 +64,7 @@ def _in_folder(folder: Path, found: Diagnostics) -> list[Path]:
         ]
         named = [f"batch takes descriptions by their path: '{one.as_posix()}'" for one in inside if is_description(one)]
         help = ["sidecars are named `<robot>.robot.yaml`", *drafts[:1], *named[:1]]
-        found.add("SB001", "no sidecars in this folder", Span(folder.as_posix()), help=help)
+        diagnostics.add("SB001", "no sidecars in this folder", Span(folder.as_posix()), help=help)
     return below
 
 

@@ -83,10 +83,10 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     """Convert one sidecar or load the cached result, without writing files."""
     record = recorded(sidecar, options)
     if record is not None:
-        found = Diagnostics()
-        found.extend(record.diagnostics)
-        found.add_ignored(record.ignored)
-        return Conversion(found, None, record.files, record.results, hashes=record.hashes)
+        diagnostics = Diagnostics()
+        diagnostics.extend(record.diagnostics)
+        diagnostics.add_ignored(record.ignored)
+        return Conversion(diagnostics, None, record.files, record.results, hashes=record.hashes)
     before = _content(sidecar, options)
     lock = file_digest(lock_path(sidecar, options.variant))
     from stepbot.pipeline.prestart import started_kernel, started_server
@@ -110,12 +110,14 @@ def failure_of(sidecar: Path, error: "WorkerDied | RemoteError") -> Diagnostics:
     """The diagnostic of a conversion in a process that died, or whose function raised."""
     from stepbot.runtime.worker import WorkerDied
 
-    found, span = Diagnostics(), Span(sidecar.as_posix())
+    diagnostics, span = Diagnostics(), Span(sidecar.as_posix())
     if isinstance(error, WorkerDied):
-        found.add("SB902", f"conversion failed: {error.reason}", span, notes=error.last_lines)
+        diagnostics.add("SB902", f"conversion failed: {error.reason}", span, notes=error.last_lines)
     else:
-        found.add("SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:])
-    return found
+        diagnostics.add(
+            "SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:]
+        )
+    return diagnostics
 
 
 def recorded(sidecar: Path, options: Options) -> Record | None:
@@ -149,7 +151,7 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
     return digest.add(*_asked(options)).key
 
 
-def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
+def check(sidecar: Path, options: Options, diagnostics: Diagnostics, *, open_step: bool = False) -> Checked:
     """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
 
     A URDF, SDFormat or MJCF is read with its meshes; its result is not cached.
@@ -159,16 +161,16 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     key = _check_key(sidecar, options, open_step)
     kept = TypedCache(cache, _Findings).get(key) if key else None
     if kept is not None:
-        found.extend(kept.diagnostics)
-        found.add_ignored(kept.ignored)
+        diagnostics.extend(kept.diagnostics)
+        diagnostics.add_ignored(kept.ignored)
         named, links, joints, robot = kept.checked
         return Checked(named, links, joints, _rows().decode(kept.joint_table) if kept.joint_table else (), robot)
     from stepbot.pipeline import stages as pipeline
 
     before, local = _content(sidecar, options._replace(cache=cache)), Diagnostics()
     checked = pipeline.check(sidecar, options, local, open_step=open_step)
-    found.extend(local)
-    found.add_ignored(local.ignored)
+    diagnostics.extend(local)
+    diagnostics.add_ignored(local.ignored)
     if not before or before != _content(sidecar, options._replace(cache=cache)):
         return checked
     if checked.named:

@@ -51,7 +51,7 @@ def _variant(folder: Path) -> str:
 def check_up_to_date(
     sidecar: Path,
     options: Options,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     *,
     exclude: Iterable[str] = (),
     progress: Callable[[str], None] = lambda stage: None,
@@ -59,7 +59,7 @@ def check_up_to_date(
     """Compare the files in ``options.output`` with those of a conversion; writes nothing.
 
     Args:
-        found: Receives faults of the input, and SB007 for each file that differs, or for a missing folder.
+        diagnostics: Receives faults of the input, and SB007 for each file that differs, or for a missing folder.
         exclude: Globs of files that are not compared, relative to the folder.
     """
     excluded = tuple(exclude)
@@ -69,23 +69,23 @@ def check_up_to_date(
         faults = Diagnostics()
         check(sidecar, options, faults)
         if faults.has_errors:  # no output folder would help
-            found.extend(faults)
+            diagnostics.extend(faults)
             return
         what = f"output folder of '{sidecar.as_posix()}' does not exist"
-        found.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "choose another folder with `-o DIR`"])
+        diagnostics.add("SB007", what, Span(folder.as_posix()), help=[*remedy, "choose another folder with `-o DIR`"])
         return
-    expected, diagnostics = _expected(sidecar, options, progress)
+    expected, reported = _expected(sidecar, options, progress)
     if not expected:
-        found.extend(diagnostics)
+        diagnostics.extend(reported)
         return
     files = {name: content for name, content in expected.items() if not _is_excluded(name, (*excluded, "*.png"))}
     if not exists(folder / REPORT):
         files.pop(REPORT, None)
     for name, what in _differences(files, folder):
-        found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
+        diagnostics.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
     for name in _left_over(expected, folder, sidecar):
         if name != REPORT_PAGE and not _is_excluded(name, excluded):
-            found.add("SB007", "no longer written", Span((folder / name).as_posix()), help=[_for_left_over(name)])
+            diagnostics.add("SB007", "no longer written", Span((folder / name).as_posix()), help=[_for_left_over(name)])
 
 
 def _command(sidecar: Path, options: Options) -> list[str]:

@@ -23,7 +23,9 @@ from .loading import Loading
 from .sidecars import what_to_read
 
 
-def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Options, found: Diagnostics) -> Built | None:
+def build(
+    sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Options, diagnostics: Diagnostics
+) -> Built | None:
     """Build and check the robot; equal meshes are shared. None where errors prevent a robot.
 
     Args:
@@ -31,21 +33,21 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         loading: Measures the bodies, and searches for overlaps.
         options: Cache, and whether another STEP was given than the one that the sidecar names.
     """
-    measures = partial(loading.measures, found)
+    measures = partial(loading.measures, diagnostics)
     revised = UNREVISED
     lock = lock_path(sidecar.path, sidecar.variant)
     if not sidecar.is_changed and os.path.lexists(lock):  # without one, revisions are not imported
         from .locking import compared_with_lock
 
-        compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
+        compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, diagnostics)
         revised = UNREVISED if compared is None else compared.revised
     process, timeout = loading.mesh_worker, options.timeout
-    built = build_robot(assembly, sidecar, measures, found, options.cache, process, revised, timeout)
+    built = build_robot(assembly, sidecar, measures, diagnostics, options.cache, process, revised, timeout)
     if built is None:
         return None
     built = replace(built, robot=share_meshes(built.robot))
-    check_robot(built.robot, found, sidecar.span(), assembly.unit, places=cache(partial(places, sidecar)))
-    if sidecar.document.expect is not None and not found.has_errors:
+    check_robot(built.robot, diagnostics, sidecar.span(), assembly.unit, places=cache(partial(places, sidecar)))
+    if sidecar.document.expect is not None and not diagnostics.has_errors:
         from .expectations import check_expected
 
         paths = ComponentPaths(assembly.components)
@@ -53,20 +55,20 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         def matches(path: str) -> list[str]:
             return [assembly.components[index].path for index in paths.find(path).topmost]
 
-        check_expected(sidecar, built.robot, matches, found)
+        check_expected(sidecar, built.robot, matches, diagnostics)
     return built
 
 
-def built_of(sidecar: Sidecar, step: Path, options: Options, found: Diagnostics) -> tuple[Built, Assembly]:
+def built_of(sidecar: Sidecar, step: Path, options: Options, diagnostics: Diagnostics) -> tuple[Built, Assembly]:
     """Read a STEP file, and build and check the robot of a sidecar.
 
     Raises:
         StepbotError: There are errors.
     """
-    with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
-        assembly = loading.assembly(found)
-        built = build(sidecar, assembly, loading, options, found)
-        found.raise_if_errors()
+    with closing(Loading(step, what_to_read(sidecar, options), options, diagnostics)) as loading:
+        assembly = loading.assembly(diagnostics)
+        built = build(sidecar, assembly, loading, options, diagnostics)
+        diagnostics.raise_if_errors()
         assert built is not None  # a missing robot always has an error
         built.double_counting.report(options.timeout)
     return built, assembly
@@ -83,10 +85,10 @@ def places(sidecar: Sidecar) -> dict[str, Span]:
     return places
 
 
-def report_large_assembly(assembly: Assembly, found: Diagnostics) -> None:
+def report_large_assembly(assembly: Assembly, diagnostics: Diagnostics) -> None:
     """Report SB420, an assembly of tens of metres: drawn in another unit than declared."""
     box = assembly.bounds(0)
     size = 0.0 if box is None else max(high - low for low, high in zip(*box, strict=True))
     if size > LARGEST:
         message = f"{assembly.source}: size of {size:.3g} m; check its length unit ({assembly.unit})"
-        found.add("SB420", message, Span(assembly.source), help=other_units(size, assembly.unit))
+        diagnostics.add("SB420", message, Span(assembly.source), help=other_units(size, assembly.unit))

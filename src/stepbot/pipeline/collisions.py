@@ -17,7 +17,7 @@ from .sidecars import SIDECAR_SUFFIXES, load, named_step
 
 
 def search(
-    target: Path, samples: int | None, options: Options, found: Diagnostics, progress: Callable[[str], None]
+    target: Path, samples: int | None, options: Options, diagnostics: Diagnostics, progress: Callable[[str], None]
 ) -> Robot | None:
     """The robot of a sidecar, or of a URDF, SDFormat or MJCF, with the links that can overlap; None after an error.
 
@@ -25,9 +25,9 @@ def search(
         target: The sidecar, or the description.
         samples: Number of poses; None for the sidecar's, or the default.
     """
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     try:
-        read = robot_of(target, options, found)
+        read = robot_of(target, options, diagnostics)
         if read is None:
             return None
         robot, wanted = read
@@ -35,29 +35,31 @@ def search(
         wanted = wanted or SelfCollisionSection()
         if samples is not None:
             wanted = wanted.model_copy(update={"samples": samples})
-        robot = with_self_collision(robot, wanted, options, found)
+        robot = with_self_collision(robot, wanted, options, diagnostics)
     except StepbotError as error:
-        found.extend(error.diagnostics)
+        diagnostics.extend(error.diagnostics)
         return None
     stated = set(map(frozenset, robot.excluded_contacts))
     for pair in robot.self_collision.of_class(PairClass.SOMETIMES) if robot.self_collision else ():
         if pair.first == 0 and pair.links not in stated:
             message = f"links '{pair.link_a}' and '{pair.link_b}' overlap{by_depth(pair)} in the drawn pose"
-            found.add("SB810", message, Span(robot.source or robot.name))
+            diagnostics.add("SB810", message, Span(robot.source or robot.name))
     return None if robot.self_collision is None else robot
 
 
-def robot_of(target: Path, options: Options, found: Diagnostics) -> tuple[Robot, SelfCollisionSection | None] | None:
+def robot_of(
+    target: Path, options: Options, diagnostics: Diagnostics
+) -> tuple[Robot, SelfCollisionSection | None] | None:
     """The robot of a sidecar or a description, and what a sidecar requests; None after an error of a description.
 
     Raises:
         StepbotError: There are errors.
     """
     if target.suffix.lower() in SIDECAR_SUFFIXES:
-        sidecar = load(target, options, found)
+        sidecar = load(target, options, diagnostics)
         if sidecar.document.modules:
-            return compose(sidecar, options, found).robot, sidecar.document.self_collision
-        built, _ = built_of(sidecar, named_step(sidecar, found), options, found)
+            return compose(sidecar, options, diagnostics).robot, sidecar.document.self_collision
+        built, _ = built_of(sidecar, named_step(sidecar, diagnostics), options, diagnostics)
         return built.robot, sidecar.document.self_collision
-    described = described_robot(target, options, found, drawn=False)
+    described = described_robot(target, options, diagnostics, drawn=False)
     return None if described is None else (described, None)

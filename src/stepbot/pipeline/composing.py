@@ -75,33 +75,33 @@ class Composed(Struct, frozen=True, eq=False):
         return joint_rows_of(self.robot)
 
 
-def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
+def compose(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> Composed:
     """Read all modules of a sidecar and compose its robot.
 
     Args:
         sidecar: A sidecar with modules, without errors of its own.
-        found: Receives the diagnostics; those of a module once, at their own places.
+        diagnostics: Receives the diagnostics; those of a module once, at their own places.
 
     Raises:
         StepbotError: There are errors.
     """
     files = _Files(options)
-    robot = files.composed(sidecar, (sidecar.path,), found)
-    _report_gains(sidecar, robot, found)
-    if not found.has_errors:
-        check_expected(sidecar, robot, lambda path: _components(robot, path), found)
+    robot = files.composed(sidecar, (sidecar.path,), diagnostics)
+    _report_gains(sidecar, robot, diagnostics)
+    if not diagnostics.has_errors:
+        check_expected(sidecar, robot, lambda path: _components(robot, path), diagnostics)
     read = tuple(path for path, digest in files.read.items() if digest is not None)
     is_unchanged = all(file_digest(path) == digest for path, digest in files.read.items())
     content = files_digest(files.read) if is_unchanged else ""
     return Composed(robot, read, tuple(files.read), content, tuple(files.alone), tuple(files.checks))
 
 
-def _report_gains(sidecar: Sidecar, robot: Robot, found: Diagnostics) -> None:
+def _report_gains(sidecar: Sidecar, robot: Robot, diagnostics: Diagnostics) -> None:
     """Report the gains that the whole robot computes for actuators without any in their description."""
     for actuator in (one for one in robot.actuators if one.tuning is not None and one.tuning.assumed):
         from .translating import computed_gains
 
-        found.add(_GAINS, computed_gains(actuator), place_of(actuator, robot, sidecar))
+        diagnostics.add(_GAINS, computed_gains(actuator), place_of(actuator, robot, sidecar))
 
 
 def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
@@ -134,75 +134,75 @@ class _Files:
         for path in paths:
             self.read.setdefault(path, file_digest(path))
 
-    def composed(self, sidecar: Sidecar, chain: tuple[Path, ...], found: Diagnostics) -> Robot:
+    def composed(self, sidecar: Sidecar, chain: tuple[Path, ...], diagnostics: Diagnostics) -> Robot:
         """The composed robot of a sidecar; ``chain`` are the files that lead to it, itself last."""
         self._note(sidecar.path, lock_path(sidecar.path))
         robots = {}
         for name, section in sidecar.document.modules.items():
             self._modules += 1
-            self._check_count(sidecar, name, chain, found)
+            self._check_count(sidecar, name, chain, diagnostics)
             if section.file is not None:
-                robot = self._module(sidecar, name, section, chain, found)
+                robot = self._module(sidecar, name, section, chain, diagnostics)
                 if robot is not None:
                     robots[name] = robot
-        found.raise_if_errors()
-        own = self._own(sidecar, self._options.step if len(chain) == 1 else None, found)
-        robot = composed(sidecar, own, robots, found)
-        found.raise_if_errors()
+        diagnostics.raise_if_errors()
+        own = self._own(sidecar, self._options.step if len(chain) == 1 else None, diagnostics)
+        robot = composed(sidecar, own, robots, diagnostics)
+        diagnostics.raise_if_errors()
         assert robot is not None  # a missing robot always has an error
-        report_interfaces(sidecar, robot, lambda search: self._options.workers.call(_INTERSECT, search), found)
+        report_interfaces(sidecar, robot, lambda search: self._options.workers.call(_INTERSECT, search), diagnostics)
         self.alone = _modules_alone(sidecar, robot, robots)
-        self.checks = _compared(sidecar, robot, self.alone, found)  # last those of the file that composes all
-        check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
-        found.raise_if_errors()
+        self.checks = _compared(sidecar, robot, self.alone, diagnostics)  # last those of the file that composes all
+        check_robot(robot, diagnostics, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
+        diagnostics.raise_if_errors()
         return robot
 
-    def _check_count(self, sidecar: Sidecar, name: str, chain: tuple[Path, ...], found: Diagnostics) -> None:
+    def _check_count(self, sidecar: Sidecar, name: str, chain: tuple[Path, ...], diagnostics: Diagnostics) -> None:
         what = f"more than {MOST} modules" if self._modules > MOST else ""
         if len(chain) > DEEPEST:
             what = f"more than {DEEPEST} modules within modules"
         if what:
-            found.add("SB150", f"module '{name}': {what}", sidecar.key_span("modules", name))
-            found.raise_if_errors()
+            diagnostics.add("SB150", f"module '{name}': {what}", sidecar.key_span("modules", name))
+            diagnostics.raise_if_errors()
 
-    def _own(self, sidecar: Sidecar, step: Path | None, found: Diagnostics) -> Robot | None:
+    def _own(self, sidecar: Sidecar, step: Path | None, diagnostics: Diagnostics) -> Robot | None:
         """The robot of the links that the sidecar describes itself, with their STEP if it is not the one it names."""
         if not sidecar.document.links:
             return None
         own = own_part(sidecar)
         if not own.document.step:
-            return self._without_step(own, found)
-        return self._from_step(own, step or named_step(own, found), found)
+            return self._without_step(own, diagnostics)
+        return self._from_step(own, step or named_step(own, diagnostics), diagnostics)
 
-    def _without_step(self, own: Sidecar, found: Diagnostics) -> Robot | None:
+    def _without_step(self, own: Sidecar, diagnostics: Diagnostics) -> Robot | None:
         """Own links without an assembly: their mass properties and poses are given."""
         from stepbot.assemble import build_robot
         from stepbot.step.assembly import ROOT_PATH, Assembly, Component
 
         nothing = Assembly("", "", "", "m", 1.0, (Component(0, -1, "", ROOT_PATH, "", "", 0),), ())
-        built = build_robot(nothing, own, lambda: (), found, self._options.cache)
-        found.raise_if_errors()
+        built = build_robot(nothing, own, lambda: (), diagnostics, self._options.cache)
+        diagnostics.raise_if_errors()
         return None if built is None else built.robot
 
-    def _from_step(self, sidecar: Sidecar, step: Path, found: Diagnostics) -> Robot:
+    def _from_step(self, sidecar: Sidecar, step: Path, diagnostics: Diagnostics) -> Robot:
         self._note(step)
-        built, assembly = built_of(sidecar, step, self._options, found)
+        built, assembly = built_of(sidecar, step, self._options, diagnostics)
         self._note(*(step.parent / name for name in assembly.external_files))
         return built.robot
 
     def _module(
-        self, sidecar: Sidecar, name: str, section: ModuleSection, chain: tuple[Path, ...], found: Diagnostics
+        self, sidecar: Sidecar, name: str, section: ModuleSection, chain: tuple[Path, ...], diagnostics: Diagnostics
     ) -> Robot | None:
         file, span = section.file or "", sidecar.span("modules", name, "file")
         path = library_sidecar(file) if file.startswith(LIBRARY) else sidecar.path.parent / file
         what, help = _unreadable(path, file)
         if path is None or what:
-            found.add("SB150", f"module '{name}': {what}", span, help=help)
+            diagnostics.add("SB150", f"module '{name}': {what}", span, help=help)
             return None
         if resolved(path) in [resolved(one) for one in chain]:
             ring = " -> ".join(one.name for one in (*chain, path))
             message = f"module '{name}': '{file}' contains itself: {ring}"
-            found.add("SB150", message, span, help=["remove one of the modules"])
+            diagnostics.add("SB150", message, span, help=["remove one of the modules"])
             return None
         document = sidecar.document
         changes = section.rename, section.set, sidecar.own_motors, is_for_mjx(document.defaults.collision)
@@ -233,27 +233,27 @@ class _Files:
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
                     if one.code == _NO_DENSITY and is_step_name(path.name):  # there is no sidecar to write it into
                         place, help = span, (density,)
-                    found.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
-            found.add_ignored(local.ignored)
+                    diagnostics.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
+            diagnostics.add_ignored(local.ignored)
         return self._robots[key]
 
-    def _robot(self, path: Path, changes: "_Changes", chain: tuple[Path, ...], found: Diagnostics) -> Robot:
+    def _robot(self, path: Path, changes: "_Changes", chain: tuple[Path, ...], diagnostics: Diagnostics) -> Robot:
         self._note(path)
-        changes.reject_unfit(path, found)
+        changes.reject_unfit(path, diagnostics)
         if is_step_name(path.name):
-            return self._from_step(changes.inherited(changes.of_step(path, found)), path, found)
+            return self._from_step(changes.inherited(changes.of_step(path, diagnostics)), path, diagnostics)
         if is_description(path):
             from .translating import robot_of_file
 
-            robot, files = robot_of_file(path, self._options, found, changes.links_with_inertia)
+            robot, files = robot_of_file(path, self._options, diagnostics, changes.links_with_inertia)
             self._note(*files)
-            return changes.of_description(robot, path, self._options, found)
+            return changes.of_description(robot, path, self._options, diagnostics)
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
-        sidecar = changes.inherited(load(path, options, found, module=changes.section, motors=changes.motors))
+        sidecar = changes.inherited(load(path, options, diagnostics, module=changes.section, motors=changes.motors))
         if sidecar.document.modules:
-            return self.composed(sidecar, (*chain, path), found)
-        return self._from_step(sidecar, named_step(sidecar, found), found)
+            return self.composed(sidecar, (*chain, path), diagnostics)
+        return self._from_step(sidecar, named_step(sidecar, diagnostics), diagnostics)
 
 
 def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot]) -> list[Alone]:
@@ -272,7 +272,7 @@ def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot
     return modules
 
 
-def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], found: Diagnostics) -> list[Check]:
+def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], diagnostics: Diagnostics) -> list[Check]:
     """Compare each module with its robot alone; report SB803 if they differ."""
     checks: list[Check] = []
     wrong: dict[str, list[str]] = {}
@@ -284,7 +284,7 @@ def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], found: Diagn
     for module in (one.module for one in modules if one.module.name in wrong):
         first, *others = wrong[module.name]
         message = f"module '{module.name}': differs from '{module.file}' alone: {first}"
-        found.add("SB803", message, sidecar.key_span("modules", module.name), notes=cut(others, MOST_NOTES))
+        diagnostics.add("SB803", message, sidecar.key_span("modules", module.name), notes=cut(others, MOST_NOTES))
     return checks
 
 
@@ -352,39 +352,39 @@ class _Changes:
         """The module's sidecar with the defaults that hold for modules."""
         return with_defaults_of(self._sidecar.document, module)
 
-    def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
+    def of_step(self, step: Path, diagnostics: Diagnostics) -> Sidecar:
         """The sidecar of a STEP file without one: all of its parts are one link."""
-        made = parse_sidecar(one_link_starter(step), step, found, module=self.section, motors=self.motors)
+        made = parse_sidecar(one_link_starter(step), step, diagnostics, module=self.section, motors=self.motors)
         if made is not None:
-            check_sidecar(made, found)
-        found.raise_if_errors()
+            check_sidecar(made, diagnostics)
+        diagnostics.raise_if_errors()
         assert made is not None
         nothing = Mapping(Span(step.as_posix()), {}, 1, 1)
         return replace(made, root=nothing if self.tree is None else merged(nothing, self.tree))
 
-    def of_description(self, robot: Robot, path: Path, options: Options, found: Diagnostics) -> Robot:
+    def of_description(self, robot: Robot, path: Path, options: Options, diagnostics: Diagnostics) -> Robot:
         """The robot of a URDF, SDFormat or MJCF with its new names and changed values."""
         section = self._sidecar.document.modules[self._module]
-        robot = with_names(robot, section.rename, self._module, self._sidecar, found)
+        robot = with_names(robot, section.rename, self._module, self._sidecar, diagnostics)
         kinds = {type(one.geometry) for link in robot.links for one in link.collisions}
         if kinds & {Cylinder, MeshRef} and is_for_mjx(self._sidecar.document.defaults.collision):
             message = f"`for: mjx` has no effect on module '{self._module}': '{path.name}' has shapes for other engines"
-            found.add("SB608", message, self._sidecar.span("defaults", "collision"))
+            diagnostics.add("SB608", message, self._sidecar.span("defaults", "collision"))
         if self.tree is None:
             return robot
         place = self._sidecar.key_span("modules", self._module, "set")
         limits = (options.memory_limit, options.timeout)
-        return changed(robot, self.tree, path, place, limits=limits, found=found, motors=self.motors)
+        return changed(robot, self.tree, path, place, limits=limits, diagnostics=diagnostics, motors=self.motors)
 
-    def reject_unfit(self, path: Path, found: Diagnostics) -> None:
+    def reject_unfit(self, path: Path, diagnostics: Diagnostics) -> None:
         """Report changes that a file of its kind cannot have."""
         module = self._sidecar.document.modules[self._module]
         if module.rename and not is_description(path):
             message = f"module '{self._module}': rename: '{path.name}' is not a URDF, SDFormat or MJCF"
             place = self._sidecar.key_span("modules", self._module, "rename")
-            found.add("SB160", message, place, help=["rename its elements in its sidecar"])
-            found.raise_if_errors()
+            diagnostics.add("SB160", message, place, help=["rename its elements in its sidecar"])
+            diagnostics.raise_if_errors()
         if self.variant and (is_description(path) or is_step_name(path.name)):
             message = f"module '{self._module}': variant: '{path.name}' is not a sidecar and has no variants"
-            found.add("SB160", message, self._sidecar.span("modules", self._module, "variant"))
-            found.raise_if_errors()
+            diagnostics.add("SB160", message, self._sidecar.span("modules", self._module, "variant"))
+            diagnostics.raise_if_errors()

@@ -176,7 +176,7 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     return conversion
 
 
-def _report_others(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
+def _report_others(files: Mapping[str, bytes], output: Path, diagnostics: Diagnostics) -> None:
     """Report what earlier runs left in the folder.
 
     Warn where robots share it, since it has one report (SB022); note files of the robot in formats that this run does
@@ -189,9 +189,9 @@ def _report_others(files: Mapping[str, bytes], output: Path, found: Diagnostics)
         names = ", ".join(f"'{name}'" for name in robots)
         message = f"the folder has files of {names}, too, and {REPORT} is of one robot"
         help = "convert each robot into a folder of its own: `-o FOLDER`"
-        found.add("SB022", message, Span((output / REPORT).as_posix()), help=(help,))
+        diagnostics.add("SB022", message, Span((output / REPORT).as_posix()), help=(help,))
     if earlier:
         names = ", ".join(f"'{name}'" for name in earlier)
         help = "convert without `-f`, remove the files, or choose another folder: `-o FOLDER`"
         message = f"{names}: from an earlier conversion, not written again"
-        found.add("SB023", message, Span(output.as_posix()), help=(help,))
+        diagnostics.add("SB023", message, Span(output.as_posix()), help=(help,))

@@ -29,27 +29,27 @@ _TAGS = {"link": "link|body", "joint": "joint|freejoint"}
 """Elements that state what a finding is about; other subjects are elements of any name."""
 
 
-def read_description(path: Path, options: Options, found: Diagnostics) -> Description | None:
+def read_description(path: Path, options: Options, diagnostics: Diagnostics) -> Description | None:
     """The content of a URDF, SDFormat or MJCF; None after a diagnostic.
 
     Args:
-        found: Takes SB001, SB814, SB820, SB823 and SB902.
+        diagnostics: Takes SB001, SB814, SB820, SB823 and SB902.
     """
     if not exists(path):
-        report_missing(path, found)
+        report_missing(path, diagnostics)
         return None
-    written_in = format_of(path, found)
+    written_in = format_of(path, diagnostics)
     if written_in is None:
         return None
-    if not admitted({path: written_in}, found, options.workers, options.package_path):
+    if not admitted({path: written_in}, diagnostics, options.workers, options.package_path):
         return None
     if has_macros(path):
-        return _expanded(path, options, found)
-    return _described(path, written_in, options, found)
+        return _expanded(path, options, diagnostics)
+    return _described(path, written_in, options, diagnostics)
 
 
 def _described(
-    path: Path, written_in: str, options: Options, found: Diagnostics, macros: Expanded | None = None
+    path: Path, written_in: str, options: Options, diagnostics: Diagnostics, macros: Expanded | None = None
 ) -> Description | None:
     """The content of a file that engines may read; with ``macros``, messages name the files that it is from."""
     span = Span(path.as_posix())
@@ -62,14 +62,14 @@ def _described(
         first, *more = error.text.splitlines() or [""]
         text, line = _without_line(first)
         span = Span(span.file, line) if macros is None else macros.places[min(line, len(macros.places) - 1)]
-        found.add("SB823", text, span, notes=more)
+        diagnostics.add("SB823", text, span, notes=more)
         return None
     except WorkerDied as death:
         message = f"the process that reads the description died: {death.reason}"
-        found.add("SB902", message, span, notes=death.last_lines)
+        diagnostics.add("SB902", message, span, notes=death.last_lines)
         return None
     if not description.observation.links:
-        found.add("SB823", "the file has no links", span if macros is None else macros.places[0])
+        diagnostics.add("SB823", "the file has no links", span if macros is None else macros.places[0])
         return None
     if macros is None:
         return description
@@ -77,15 +77,15 @@ def _described(
     return replace(description, files=files, expanded=macros.text, places=macros.places)
 
 
-def _expanded(path: Path, options: Options, found: Diagnostics) -> Description | None:
+def _expanded(path: Path, options: Options, diagnostics: Diagnostics) -> Description | None:
     """The content of a file with macros; None after SB877 or what :func:`read_description` reports."""
-    macros = expanded(path, options.xacro, options.package_path, found, options.workers)
+    macros = expanded(path, options.xacro, options.package_path, diagnostics, options.workers)
     if macros is None:
         return None
     with TemporaryDirectory(dir=run_folder()) as folder:
         copy = Path(folder) / f"{path.name.partition('.')[0]}.urdf"
         copy.write_bytes(macros.text)
-        return _described(copy, "urdf", options, found, macros)
+        return _described(copy, "urdf", options, diagnostics, macros)
 
 
 def _without_line(message: str) -> tuple[str, int]:
@@ -110,7 +110,7 @@ def place_of(finding: str, path: Path, description: Description) -> Span:
     return description.place(path.as_posix(), line)
 
 
-def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: bool = True) -> Robot | None:
+def described_robot(path: Path, options: Options, diagnostics: Diagnostics, *, drawn: bool = True) -> Robot | None:
     """The robot of a URDF, SDFormat or MJCF; None after an error.
 
     Args:
@@ -119,17 +119,17 @@ def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: 
             they are errors.
     """
     path = robot_file(path)
-    description = read_description(path, options, found)
-    if description is None or found.has_errors:
+    description = read_description(path, options, diagnostics)
+    if description is None or diagnostics.has_errors:
         return None
     described = robot_of_description(description, path.stem, path.name, drawn=drawn)
     if not drawn:
         lacking = [one for one in described.findings if one.code == UNSUPPORTED]
         for one in lacking:
-            found.add(one.code, one.text, place_of(one.text, path, description))
+            diagnostics.add(one.code, one.text, place_of(one.text, path, description))
         return None if lacking else described.robot
     if described.missing:
         count = len(described.missing)
         message = f"{count} {'detail' if count == 1 else 'details'} of the file not shown"
-        found.add("SB825", message, Span(path.as_posix()), notes=described.missing)
+        diagnostics.add("SB825", message, Span(path.as_posix()), notes=described.missing)
     return described.robot

@@ -43,28 +43,28 @@ class Differences(Struct, frozen=True):
     """Whether everything was compared: otherwise files without differences are not the same."""
 
 
-def differing_steps(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
+def differing_steps(old: Path, new: Path, options: Options, diagnostics: Diagnostics) -> Differences | None:
     """Compare two STEP files component by component; None after errors."""
-    taken = [_snapshot(path, options, found) for path in (old, new)]
+    taken = [_snapshot(path, options, diagnostics) for path in (old, new)]
     if taken[0] is None or taken[1] is None:
         return None
     return Differences(old.as_posix(), new.as_posix(), step_differences(taken[0], taken[1]))
 
 
-def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
+def differing_sidecars(old: Path, new: Path, options: Options, diagnostics: Diagnostics) -> Differences | None:
     """Compare the robots that two sidecars describe, and their variants: links, joints, limits, masses, frames.
 
     Returns:
         None after errors.
     """
-    rows = _differing(old, new, options, found)
+    rows = _differing(old, new, options, diagnostics)
     if rows is not None and not options.variant:
         named = [_variants(path) for path in (old, new)]
         of_all = [*rows]
         rows += [Difference("variants", f"variant '{name}'", "removed") for name in named[0] if name not in named[1]]
         rows += [Difference("variants", f"variant '{name}'", "added") for name in named[1] if name not in named[0]]
         for name in (one for one in named[0] if one in named[1]):
-            of_one = _differing(old, new, options._replace(variant=name), found)
+            of_one = _differing(old, new, options._replace(variant=name), diagnostics)
             if of_one is None:
                 return None
             rows += [replace(row, name=f"variant '{name}': {row.name}") for row in of_one if row not in of_all]
@@ -75,9 +75,9 @@ def _variants(sidecar: Path) -> tuple[str, ...]:
     return variant_names(read_regular(sidecar).decode("utf-8")) if is_file(sidecar) else ()
 
 
-def _differing(old: Path, new: Path, options: Options, found: Diagnostics) -> list[Difference] | None:
+def _differing(old: Path, new: Path, options: Options, diagnostics: Diagnostics) -> list[Difference] | None:
     """The differences of the robots of two sidecars, of one variant each; None after errors."""
-    robots = [_described(path, options, found) for path in (old, new)]
+    robots = [_described(path, options, diagnostics) for path in (old, new)]
     if robots[0] is None or robots[1] is None:
         return None
     rows, placed = _modules(robots[0], robots[1])
@@ -124,27 +124,27 @@ def _below(joints: Iterable[Joint], link: str) -> set[str]:
     return found
 
 
-def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
+def differing_robots(old: Path, new: Path, options: Options, diagnostics: Diagnostics) -> Differences | None:
     """Compare two robot files as engines load them; None if either cannot be read at all."""
-    results = compare_two(old, new, found, options.workers, options.package_path, options.xacro)
+    results = compare_two(old, new, diagnostics, options.workers, options.package_path, options.xacro)
     if results is None:
         return None
     lacking = not_compared(results)
     if lacking:
-        found.add("SB815", f"not compared: {lacking}", Span(new.as_posix()))
-    complete = not (lacking or found.has_errors)
+        diagnostics.add("SB815", f"not compared: {lacking}", Span(new.as_posix()))
+    complete = not (lacking or diagnostics.has_errors)
     return Differences(old.as_posix(), new.as_posix(), robot_differences(results), complete)
 
 
-def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] | None:
+def robot_files(old: Path, new: Path, diagnostics: Diagnostics) -> tuple[Path, Path] | None:
     """The two files to compare of two robots, each a file or an output folder; None after an error.
 
     Of folders the files of one format are taken: URDF where both have one, else SDFormat, else MJCF.
     """
     for path in (old, new):
         if not exists(path):
-            report_missing(path, found)
-    if found.has_errors:
+            report_missing(path, diagnostics)
+    if diagnostics.has_errors:
         return None
     choices = [_by_suffix(path) for path in (old, new)]
     for suffix in choices[0]:
@@ -154,9 +154,9 @@ def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] |
         return old, new
     for path in (old, new):
         if is_folder(path) and not _by_suffix(path):
-            found.add("SB001", "no URDF, SDFormat or MJCF file in this folder", Span(path.as_posix()))
-    if not found.has_errors:
-        found.add("SB001", f"no file of a format that '{old.as_posix()}' has, too", Span(new.as_posix()))
+            diagnostics.add("SB001", "no URDF, SDFormat or MJCF file in this folder", Span(path.as_posix()))
+    if not diagnostics.has_errors:
+        diagnostics.add("SB001", f"no file of a format that '{old.as_posix()}' has, too", Span(new.as_posix()))
     return None
 
 
@@ -168,18 +168,18 @@ def _by_suffix(path: Path) -> dict[str, Path]:
     return {suffix: file for suffix in (".urdf", ".sdf", ".xml") for file in reversed(files) if file.suffix == suffix}
 
 
-def _snapshot(step: Path, options: Options, found: Diagnostics) -> Snapshot | None:
+def _snapshot(step: Path, options: Options, diagnostics: Diagnostics) -> Snapshot | None:
     reported = Diagnostics()
     try:
         with closing(Loading(step, ReadOptions(encoding=options.encoding), options, reported)) as loading:
             assembly = loading.assembly(reported)
             return snapshot(assembly, loading.content, loading.measures(reported))
     except StepbotError:
-        found.extend(one for one in reported if one.severity == "error")
+        diagnostics.extend(one for one in reported if one.severity == "error")
         return None
 
 
-def _described(sidecar: Path, options: Options, found: Diagnostics) -> Robot | None:
+def _described(sidecar: Path, options: Options, diagnostics: Diagnostics) -> Robot | None:
     """The robot of a sidecar; None after errors."""
     reported = Diagnostics()
     try:
@@ -192,7 +192,7 @@ def _described(sidecar: Path, options: Options, found: Diagnostics) -> Robot | N
             built = build_robot(assembly, loaded, measures, reported, options.cache, loading.mesh_worker)
             reported.raise_if_errors()
     except StepbotError as error:
-        found.extend(one for one in error.diagnostics if one.severity == "error")
+        diagnostics.extend(one for one in error.diagnostics if one.severity == "error")
         return None
     assert built is not None  # a missing robot always has an error
     return built.robot

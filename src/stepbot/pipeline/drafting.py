@@ -71,28 +71,28 @@ def draft_step(
         answers: Answers to questions about earlier drafts, for joints that are inferred.
         progress: Called at the start of each of the stages ``read``, ``joints`` and ``stops``.
     """
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     progress("read")
     try:
-        described = None if description is None else read_description(description, options, found)
-        found.raise_if_errors()
+        described = None if description is None else read_description(description, options, diagnostics)
+        diagnostics.raise_if_errors()
         what = ReadOptions(_COARSE, encoding=options.encoding, faces=True)
-        with closing(Loading(step, what, options, found)) as loading:
-            assembly = loading.assembly(found)
+        with closing(Loading(step, what, options, diagnostics)) as loading:
+            assembly = loading.assembly(diagnostics)
             mechanism = _mechanism(step, options)
-        found.raise_if_errors()
-        report_large_assembly(assembly, found)
+        diagnostics.raise_if_errors()
+        report_large_assembly(assembly, diagnostics)
     except StepbotError as error:
-        found.extend(error.diagnostics)
-        return Drafting(found)
+        diagnostics.extend(error.diagnostics)
+        return Drafting(diagnostics)
     progress("joints")
     if description is not None and described is not None:
         draft = draft_of_description(described, assembly, step_stem(step.name), description.name)
         if draft is None:
-            found.add("SB824", f"the robot was not found in {step.name}", Span(description.as_posix()))
-            return Drafting(found)
+            diagnostics.add("SB824", f"the robot was not found in {step.name}", Span(description.as_posix()))
+            return Drafting(diagnostics)
         draft = draft if ask is None else ask(draft, None)
-        return Drafting(found, _with_densities(draft, assembly))
+        return Drafting(diagnostics, _with_densities(draft, assembly))
     stated, notes = _stated(mechanism, assembly, step)
     if stated is not None:
         draft = stated if ask is None else ask(stated, None)
@@ -105,7 +105,7 @@ def draft_step(
     draft = replace(draft, notes=(*draft.notes, *notes))
     draft = replace(draft, standing=drawn_up(draft, assembly))
     draft = replace(draft, contacts=contacts_of(draft, assembly))
-    return Drafting(found, _with_densities(draft, assembly), stated is not None)
+    return Drafting(diagnostics, _with_densities(draft, assembly), stated is not None)
 
 
 def _stated(mechanism: Mechanism | None, assembly: Assembly, step: Path) -> tuple[Draft | None, list[str]]:
@@ -141,7 +141,7 @@ def kept_answers(sidecar: Path) -> dict[str, str]:
     return {} if read is None else dict(read.document.answers)
 
 
-def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> str:
+def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, diagnostics: Diagnostics) -> str:
     """Write the sidecar, and the schema for editors if it does not exist; errors are reported in ``found``.
 
     Returns:
@@ -149,7 +149,7 @@ def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: D
     """
     text = sidecar_text(draft, relative_step(step, sidecar), encoding=encoding)
     schema = sidecar.with_name(SCHEMA_FILE)
-    write_file(sidecar, text.encode("utf-8"), found)
-    if not found.has_errors and not exists(schema):
-        write_file(schema, schema_text().encode("utf-8"), found)
+    write_file(sidecar, text.encode("utf-8"), diagnostics)
+    if not diagnostics.has_errors and not exists(schema):
+        write_file(schema, schema_text().encode("utf-8"), diagnostics)
     return text

@@ -39,7 +39,7 @@ def drive(
     target: Path,
     options: Options,
     chosen: DriveOptions,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     progress: Callable[[str], None] = lambda stage: None,
 ) -> Driven | None:
     """Drive a target; None if it could not be driven.
@@ -49,26 +49,26 @@ def drive(
         options: Options of the conversion of a sidecar; limits of the engines.
     """
     if not exists(target):
-        report_missing(target, found)
+        report_missing(target, diagnostics)
         return None
-    demanded = read_demands(chosen.limits, found)
+    demanded = read_demands(chosen.limits, diagnostics)
     missing = missing_engines(chosen.engines or ENGINES)
     if missing and (chosen.engines or len(missing) == len(ENGINES)):
-        report_missing_engines(missing, found)
-    if demanded is None or found.has_errors:
+        report_missing_engines(missing, diagnostics)
+    if demanded is None or diagnostics.has_errors:
         return None
     with ExitStack() as kept:
         if target.suffix.lower() in SIDECAR_SUFFIXES:
             folder = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
-            if not _convert(target, folder, options, found, progress):
+            if not _convert(target, folder, options, diagnostics, progress):
                 return None
             target = folder
         progress("drive")
         copies = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
-        return _drive_written(target, chosen, missing, demanded, copies, options, found)
+        return _drive_written(target, chosen, missing, demanded, copies, options, diagnostics)
 
 
-def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
+def read_demands(path: Path | None, diagnostics: Diagnostics) -> Demands | None:
     """The limits in a file's object ``drive``, and the default ones; None after SB833."""
     if path is None:
         return demands(None)
@@ -79,20 +79,20 @@ def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
             raise InvalidLimits("the file is not an object")
         return demands(content.get("drive"))
     except OSError as error:
-        found.add("SB833", f"cannot be read: {error.strerror or error}", span)
+        diagnostics.add("SB833", f"cannot be read: {error.strerror or error}", span)
     except ValueError as error:  # JSON, encoding or content
-        found.add("SB833", str(error), span)
+        diagnostics.add("SB833", str(error), span)
     return None
 
 
 def _convert(
-    sidecar: Path, folder: Path, options: Options, found: Diagnostics, progress: Callable[[str], None]
+    sidecar: Path, folder: Path, options: Options, diagnostics: Diagnostics, progress: Callable[[str], None]
 ) -> bool:
     from .stages import produce
 
     formats = tuple(name for name in FORMATS if name in ENGINES.values())
     conversion = produce(sidecar, options._replace(formats=formats, verify=False), progress)
-    found.extend(one for one in conversion.diagnostics if one.severity == "error")
+    diagnostics.extend(one for one in conversion.diagnostics if one.severity == "error")
     if conversion.diagnostics.has_errors:
         return False
     write_atomically(conversion.files, folder)
@@ -106,56 +106,56 @@ def _drive_written(
     demanded: Demands,
     copies: Path,
     options: Options,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> Driven | None:
     """Drive a folder, or one file of a folder; ``copies`` receives files with absolute paths of meshes in packages."""
     folder = target if is_folder(target) else target.parent
-    document = _report(folder, target, found)
+    document = _report(folder, target, diagnostics)
     if document is None:
         return None
     engines = chosen.engines or tuple(ENGINES)
     files = _files(document, folder, target, engines)
     if not files:
         wanted = " or ".join(_suffix(name) for name in engines)
-        found.add("SB833", f"no file {wanted} of the report's robot", Span(target.as_posix()))
+        diagnostics.add("SB833", f"no file {wanted} of the report's robot", Span(target.as_posix()))
         return None
     not_run = {engine: reason for engine, reason in missing.items() if engine in files}
     if len(not_run) == len(files):
-        report_missing_engines(not_run, found)
+        report_missing_engines(not_run, diagnostics)
         return None
     files = {engine: path for engine, path in files.items() if engine not in not_run}
     formats = {path: ENGINES[engine] for engine, path in files.items()}
     timeout, memory_limit = options.timeout, options.memory_limit
-    places, _ = located(formats, options.package_path, copies, found, options.workers)
+    places, _ = located(formats, options.package_path, copies, diagnostics, options.workers)
     if len(places) < len(formats):
         return None
     files = {engine: places[path] for engine, path in files.items()}
     try:
         driven = drive_files(
-            document, files, demanded, found, tests=chosen.tests, timeout=timeout, memory_limit=memory_limit
+            document, files, demanded, diagnostics, tests=chosen.tests, timeout=timeout, memory_limit=memory_limit
         )
         return replace(driven, not_run=not_run)
     except (KeyError, TypeError, ValueError) as error:
-        found.add("SB833", f"{REPORT} is not the report of a robot: {error}", Span((folder / REPORT).as_posix()))
+        diagnostics.add("SB833", f"{REPORT} is not the report of a robot: {error}", Span((folder / REPORT).as_posix()))
     return None
 
 
-def _report(folder: Path, target: Path, found: Diagnostics) -> dict[str, Any] | None:
+def _report(folder: Path, target: Path, diagnostics: Diagnostics) -> dict[str, Any] | None:
     """The report of a folder; None after SB833."""
     place = Span((folder / REPORT).as_posix())
     try:
         document = json.loads(read_regular(folder / REPORT).decode("utf-8"))
     except OSError:
-        found.add("SB833", f"no {REPORT} in '{folder.as_posix()}'", Span(target.as_posix()))
+        diagnostics.add("SB833", f"no {REPORT} in '{folder.as_posix()}'", Span(target.as_posix()))
         return None
     except ValueError as error:
-        found.add("SB833", f"{REPORT} is not JSON: {error}", place)
+        diagnostics.add("SB833", f"{REPORT} is not JSON: {error}", place)
         return None
     if not isinstance(document, dict) or not isinstance(document.get("robot"), dict):
-        found.add("SB833", f"{REPORT} has no robot", place)
+        diagnostics.add("SB833", f"{REPORT} has no robot", place)
         return None
     if not isinstance(document.get("files"), list):
-        found.add("SB833", f"{REPORT} is not the report of a robot: no list of files", place)
+        diagnostics.add("SB833", f"{REPORT} is not the report of a robot: no list of files", place)
         return None
     return document
 

@@ -31,17 +31,17 @@ _MATCHES = Callable[[str], Sequence[str]]
 """The paths of the components that match a path or glob, each with everything below it."""
 
 
-def check_expected(sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
+def check_expected(sidecar: Sidecar, robot: Robot, matches: _MATCHES, diagnostics: Diagnostics) -> None:
     """Report what a robot is not as expected (SB525), and asymmetry (SB526)."""
     if sidecar.document.expect is not None:
-        _Comparison(sidecar, robot, matches, found).run(sidecar.document.expect)
+        _Comparison(sidecar, robot, matches, diagnostics).run(sidecar.document.expect)
 
 
 class _Comparison:
     """One robot against the section ``expect`` of its sidecar."""
 
-    def __init__(self, sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
-        self._sidecar, self._robot, self._matches, self._found = sidecar, robot, matches, found
+    def __init__(self, sidecar: Sidecar, robot: Robot, matches: _MATCHES, diagnostics: Diagnostics) -> None:
+        self._sidecar, self._robot, self._matches, self._diagnostics = sidecar, robot, matches, diagnostics
 
     def run(self, wanted: ExpectSection) -> None:
         total, com = whole(self._robot)
@@ -129,10 +129,10 @@ class _Comparison:
 
     def _unknown(self, keys: tuple[str, ...], text: str, name: str, known: Iterable[str]) -> None:
         help = did_you_mean(name, known)
-        self._found.add(UNMET, f"expect: {text}", self._sidecar.key_span(*keys), help=help)
+        self._diagnostics.add(UNMET, f"expect: {text}", self._sidecar.key_span(*keys), help=help)
 
     def _report(self, keys: tuple[str, ...], text: str, code: str = UNMET, notes: Sequence[str] = ()) -> None:
-        self._found.add(code, f"expect: {text}", self._sidecar.key_span(*keys), notes=list(notes))
+        self._diagnostics.add(code, f"expect: {text}", self._sidecar.key_span(*keys), notes=list(notes))
 
 
 def _named(part: Part) -> str:
@@ -143,7 +143,7 @@ _SLACK = {JointKind.REVOLUTE: 0.02, JointKind.PRISMATIC: 2e-4}
 """Ways [rad], [m] by which limits may pass a stop: meshes are as far off."""
 
 
-def report_passed_stops(sidecar: Sidecar, built: Built, assembly: Assembly, found: Diagnostics) -> None:
+def report_passed_stops(sidecar: Sidecar, built: Built, assembly: Assembly, diagnostics: Diagnostics) -> None:
     """Report SB465 for each joint whose limits pass a position at which parts of its two links meet."""
     index = {component.path: component.index for component in assembly.components}
     parts = {link.name: [index[path] for path in link.components if path in index] for link in built.robot.links}
@@ -170,7 +170,7 @@ def report_passed_stops(sidecar: Sidecar, built: Built, assembly: Assembly, foun
         places = [words(joint.drawn_position + stop.position) for stop in passed]
         limits = [f"{key} {words(getattr(joint.limit, key))}" for key in keys]
         several = "s" * (len(passed) > 1)
-        found.add(
+        diagnostics.add(
             "SB465",
             f"joint '{joint.name}': limit{several} {' and '.join(limits)} pass{'' if several else 'es'} "
             f"{'stops' if several else 'a stop'} at {' and '.join(places)}",

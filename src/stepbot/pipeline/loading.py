@@ -72,20 +72,20 @@ class Loading:
     """A geometry that is being loaded."""
 
     def __init__(
-        self, step: Path, what: ReadOptions, options: Options, found: Diagnostics, kernel: Worker | None = None
+        self, step: Path, what: ReadOptions, options: Options, diagnostics: Diagnostics, kernel: Worker | None = None
     ) -> None:
         """Look it up in the cache, or start the kernel; returns at once.
 
         Args:
             step: The STEP file; diagnostics use this path.
-            found: Receives faults of a file that is rejected without starting the kernel.
+            diagnostics: Receives faults of a file that is rejected without starting the kernel.
             kernel: A process started in advance; None to start one if needed.
 
         Raises:
             StepbotError: The file is rejected.
         """
         self._step, self._timeout = step, options.timeout
-        self._found = Diagnostics()
+        self._diagnostics = Diagnostics()
         self._assembly: Assembly | None = None
         self._cached = _GeometryCache(options.cache, step, what)
         self._known = self._cached.get()
@@ -93,43 +93,43 @@ class Loading:
         self.mesh_worker: Worker | None = None
         """The process that measures the meshes, for further mesh computations; None if the geometry was cached."""
         if self._known is not None:
-            self._found.extend(self._known.diagnostics)
+            self._diagnostics.extend(self._known.diagnostics)
         else:
             self._reading = start_reading(step, what, memory_limit=options.memory_limit, kernel=kernel)
             if self._reading.pid is None:
-                self._reading.finish(found)
-                found.raise_if_errors()
+                self._reading.finish(diagnostics)
+                diagnostics.raise_if_errors()
             # It imports while the kernel works; this process does not need trimesh.
             self.mesh_worker = Worker(MESH_WORKER, memory_limit=options.memory_limit)
 
-    def assembly(self, found: Diagnostics) -> Assembly:
+    def assembly(self, diagnostics: Diagnostics) -> Assembly:
         """Wait for the assembly and start to measure its bodies; diagnostics go to ``found``.
 
         Raises:
             StepbotError: There are errors.
         """
-        assembly = self.incomplete_assembly(found)
-        found.raise_if_errors()
+        assembly = self.incomplete_assembly(diagnostics)
+        diagnostics.raise_if_errors()
         assert assembly is not None  # otherwise there is an error with the reason
         return assembly
 
-    def incomplete_assembly(self, found: Diagnostics) -> Assembly | None:
+    def incomplete_assembly(self, diagnostics: Diagnostics) -> Assembly | None:
         """The same, and after an error what could be read: an assembly without the parts of missing files, or None."""
         if self._known is not None:
             assembly: Assembly | None = self._known.assembly
         else:
             assert self._reading is not None  # otherwise the geometry was cached
             assert self.mesh_worker is not None
-            assembly = self._assembly = self._reading.finish(self._found, timeout=self._timeout)
+            assembly = self._assembly = self._reading.finish(self._diagnostics, timeout=self._timeout)
             if assembly is not None:
                 self.mesh_worker.submit("measures", tuple(body.mesh for body in assembly.bodies), more=True)
-        found.extend(self._found)
+        diagnostics.extend(self._diagnostics)
         return assembly
 
-    def measures(self, found: Diagnostics) -> tuple[VolumeProperties | None, ...]:
+    def measures(self, diagnostics: Diagnostics) -> tuple[VolumeProperties | None, ...]:
         """trimesh's mass properties of each body of the assembly, which must have been awaited before."""
         if self._known is None:
-            self._known = self._measured(found)
+            self._known = self._measured(diagnostics)
         return self._known.measures
 
     @property
@@ -153,15 +153,15 @@ class Loading:
             if running is not None:
                 running.close()
 
-    def _measured(self, found: Diagnostics) -> Geometry:
+    def _measured(self, diagnostics: Diagnostics) -> Geometry:
         assert self.mesh_worker is not None  # otherwise the geometry was cached
         assert self._assembly is not None  # it has been awaited
         try:
-            geometry = Geometry(self._assembly, self.mesh_worker.result(self._timeout), tuple(self._found))
+            geometry = Geometry(self._assembly, self.mesh_worker.result(self._timeout), tuple(self._diagnostics))
         except WorkerDied as death:
-            report_death(death, "measures the meshes", Span(str(self._step)), found)
-            return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._found))
-        if not self._found.has_errors:
+            report_death(death, "measures the meshes", Span(str(self._step)), diagnostics)
+            return Geometry(self._assembly, (None,) * len(self._assembly.bodies), tuple(self._diagnostics))
+        if not self._diagnostics.has_errors:
             self._cached.put(geometry)
         return geometry
 

@@ -36,7 +36,7 @@ def compared_with_lock(
     measures: Callable[[], Sequence[VolumeProperties | None]],
     digest: str,
     options: Options,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> Comparison | None:
     """Compare an assembly with the lock of its sidecar, and report what has changed.
 
@@ -49,19 +49,21 @@ def compared_with_lock(
     Returns:
         The comparison; None where there is no lock, or it was made of the same STEP.
     """
-    lock = read_lock(lock_path(sidecar.path, sidecar.variant), sidecar.document.robot, found)
+    lock = read_lock(lock_path(sidecar.path, sidecar.variant), sidecar.document.robot, diagnostics)
     if lock is None:
         return None
-    report_outdated(lock, sidecar, found)
+    report_outdated(lock, sidecar, diagnostics)
     if digest and digest == lock.digest:
         return None
     compared = revised(sidecar, assembly, lock, measures(), digest)
     compared = replace(compared, step=options.step.as_posix() if options.step is not None else "")
-    report_changes(compared, found)
+    report_changes(compared, diagnostics)
     return compared
 
 
-def make_locks(sidecar: Path, options: Options, found: Diagnostics, done: Iterable[Path] = ()) -> dict[Path, Snapshot]:
+def make_locks(
+    sidecar: Path, options: Options, diagnostics: Diagnostics, done: Iterable[Path] = ()
+) -> dict[Path, Snapshot]:
     """The lock of a sidecar with a STEP, and of each sidecar that it is composed of, other than those of the library.
 
     Args:
@@ -91,26 +93,28 @@ def make_locks(sidecar: Path, options: Options, found: Diagnostics, done: Iterab
         except StepbotError as error:
             local.extend(error.diagnostics)
         # `check --step` and `convert` report the rest
-        found.extend(one for one in local if one.severity == "error")
+        diagnostics.extend(one for one in local if one.severity == "error")
     return made
 
 
-def _lock(sidecar: Sidecar, options: Options, found: Diagnostics) -> Snapshot:
+def _lock(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> Snapshot:
     """The content of the lock of a sidecar's own STEP.
 
     Raises:
         StepbotError: The robot has errors.
     """
-    step = options.step or named_step(sidecar, found)
-    with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
-        assembly, measures = loading.assembly(found), partial(loading.measures, found)
-        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker)
-        found.raise_if_errors()
+    step = options.step or named_step(sidecar, diagnostics)
+    with closing(Loading(step, what_to_read(sidecar, options), options, diagnostics)) as loading:
+        assembly, measures = loading.assembly(diagnostics), partial(loading.measures, diagnostics)
+        built = build_robot(assembly, sidecar, measures, diagnostics, options.cache, loading.mesh_worker)
+        diagnostics.raise_if_errors()
         assert built is not None  # a missing robot always has an error
         taken = snapshot(assembly, loading.content, measures())
     if not taken.digest:
-        found.add("SB001", "the file changed while it was read", sidecar.span("step"), help=["run the command again"])
-        found.raise_if_errors()
+        diagnostics.add(
+            "SB001", "the file changed while it was read", sidecar.span("step"), help=["run the command again"]
+        )
+        diagnostics.raise_if_errors()
     return with_sidecar(taken, assembly, sidecar.document, bind(assembly, sidecar, measures()))
 
 
@@ -128,12 +132,12 @@ class FixedSidecar(Struct, frozen=True):
     """The new path for each one that changed."""
 
 
-def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> FixedSidecar | None:
+def fix_renamed_paths(sidecar: Path, options: Options, diagnostics: Diagnostics) -> FixedSidecar | None:
     """The sidecar with certain renamings applied; None if there are none.
 
     Args:
         sidecar: The sidecar. Its errors, and those of its STEP, are left to `check`.
-        found: Receives SB016 if there is no lock, and SB018 if the text cannot be rewritten.
+        diagnostics: Receives SB016 if there is no lock, and SB018 if the text cannot be rewritten.
     """
     elsewhere = Diagnostics()
     path = lock_path(sidecar, options.variant)
@@ -142,7 +146,9 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
         loaded = own_part(load(sidecar, options, elsewhere))
         if not exists(path):
             remedy = f"create one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
-            found.add("SB016", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy])
+            diagnostics.add(
+                "SB016", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy]
+            )
             return None
         lock = read_lock(path, loaded.document.robot, elsewhere)
         step = options.step or named_step(loaded, elsewhere)
@@ -160,6 +166,8 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
     new = rewritten(loaded, content, paths)
     if new is None:
         names = [f"{quoted(old)}: write {quoted(name)}" for old, name in paths.items()]
-        found.add("SB018", "renamed paths cannot be replaced without changing other values", loaded.span(), help=names)
+        diagnostics.add(
+            "SB018", "renamed paths cannot be replaced without changing other values", loaded.span(), help=names
+        )
         return None
     return FixedSidecar(sidecar, content, new, lock_bytes(renamed_lock(compared)), paths)

@@ -28,28 +28,28 @@ _UNNAMED = re.compile(r"body(#\d+)?")
 
 
 def robot_to_draw(
-    target: Path, options: Options, found: Diagnostics, progress: Callable[[str], None] = lambda stage: None
+    target: Path, options: Options, diagnostics: Diagnostics, progress: Callable[[str], None] = lambda stage: None
 ) -> Robot | None:
     """The robot of a sidecar, or of a URDF, SDFormat or MJCF; None after errors."""
     if target.suffix.lower() in SIDECAR_SUFFIXES:
         built = produce(target, options._replace(formats=(), verify=False), progress)
-        found.extend(built.diagnostics)
+        diagnostics.extend(built.diagnostics)
         return built.robot
     progress("read")
-    return described_robot(target, options, found)
+    return described_robot(target, options, diagnostics)
 
 
-def assembly_to_draw(step: Path, options: Options, found: Diagnostics) -> Subject | None:
+def assembly_to_draw(step: Path, options: Options, diagnostics: Diagnostics) -> Subject | None:
     """A STEP file with the names of the root's children; None after errors."""
     inspection = inspect(step, options)
-    found.extend(inspection.diagnostics)
+    diagnostics.extend(inspection.diagnostics)
     assembly = inspection.assembly
     if assembly is None:
         return None
     return assembly_subject(assembly, part_labels(assembly, assembly.children[0], folded=True))
 
 
-def subject_of(target: Path, options: Options, positions: Configuration, found: Diagnostics) -> Subject | None:
+def subject_of(target: Path, options: Options, positions: Configuration, diagnostics: Diagnostics) -> Subject | None:
     """A robot with some joints at given positions [rad] or [m], or a STEP file; None after errors.
 
     Raises:
@@ -58,8 +58,8 @@ def subject_of(target: Path, options: Options, positions: Configuration, found: 
     if is_step_name(target.name):
         if positions:
             raise ValueError("a STEP file has no joints; give a sidecar")
-        return assembly_to_draw(target, options, found)
-    robot = robot_to_draw(target, options, found)
+        return assembly_to_draw(target, options, diagnostics)
+    robot = robot_to_draw(target, options, diagnostics)
     if robot is None:
         return None
     try:

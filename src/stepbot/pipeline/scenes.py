@@ -162,11 +162,11 @@ def show(target: Path, options: Options) -> Shown:
     """
     if target.suffix.lower() in SIDECAR_SUFFIXES:
         return _show_sidecar(target, options)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     if not exists(target):
-        report_missing(target, found)
-        return Shown(found)
-    return (_show_step if is_step_name(target.name) else _show_description)(target, options, found)
+        report_missing(target, diagnostics)
+        return Shown(diagnostics)
+    return (_show_step if is_step_name(target.name) else _show_description)(target, options, diagnostics)
 
 
 def show_text(path: Path, text: str, options: Options) -> Shown:
@@ -182,67 +182,67 @@ def guessed(shown: Shown, step: Path, options: Options) -> Shown:
     draft = drafting.draft
     robot = robot_of_draft(assembly, draft)
     evidence = {one.name: _evidence(one) for one in (*draft.joints, *draft.closures)}
-    scene = scene_document(robot, evidence=evidence, assembly=assembly, found=shown.diagnostics)
+    scene = scene_document(robot, evidence=evidence, assembly=assembly, diagnostics=shown.diagnostics)
     return replace(shown, scene=scene, robot=robot)
 
 
-def _show_step(step: Path, options: Options, found: Diagnostics) -> Shown:
+def _show_step(step: Path, options: Options, diagnostics: Diagnostics) -> Shown:
     try:
-        with closing(Loading(step, what_to_read(None, options), options, found)) as loading:
-            assembly = loading.assembly(found)
+        with closing(Loading(step, what_to_read(None, options), options, diagnostics)) as loading:
+            assembly = loading.assembly(diagnostics)
     except StepbotError as error:
-        found.extend(error.diagnostics)
-        return Shown(found, files=(step,))
-    return _parts_alone(assembly, step_stem(step.name), found, None, _files(step, assembly))
+        diagnostics.extend(error.diagnostics)
+        return Shown(diagnostics, files=(step,))
+    return _parts_alone(assembly, step_stem(step.name), diagnostics, None, _files(step, assembly))
 
 
-def _show_description(path: Path, options: Options, found: Diagnostics) -> Shown:
-    robot = described_robot(path, options, found)
+def _show_description(path: Path, options: Options, diagnostics: Diagnostics) -> Shown:
+    robot = described_robot(path, options, diagnostics)
     if robot is None:
-        return Shown(found, files=(path,))
-    return Shown(found, scene_document(robot, found=found), robot=robot, files=(path,))
+        return Shown(diagnostics, files=(path,))
+    return Shown(diagnostics, scene_document(robot, diagnostics=diagnostics), robot=robot, files=(path,))
 
 
 def _parts_alone(
-    assembly: Assembly, name: str, found: Diagnostics, sidecar: Path | None, files: tuple[Path, ...]
+    assembly: Assembly, name: str, diagnostics: Diagnostics, sidecar: Path | None, files: tuple[Path, ...]
 ) -> Shown:
-    scene = scene_document(robot_of_assembly(assembly, name), assembly=assembly, found=found)
-    return Shown(found, scene, assembly, sidecar=sidecar, files=files)
+    scene = scene_document(robot_of_assembly(assembly, name), assembly=assembly, diagnostics=diagnostics)
+    return Shown(diagnostics, scene, assembly, sidecar=sidecar, files=files)
 
 
 def _files(step: Path, assembly: Assembly) -> tuple[Path, ...]:
     return (step, *(step.parent / name for name in assembly.external_files))
 
 
-def _show_composed(sidecar: Sidecar, options: Options, found: Diagnostics) -> Shown:
-    composed = compose(sidecar, options, found)
+def _show_composed(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> Shown:
+    composed = compose(sidecar, options, diagnostics)
     evidence = evidence_of_rows(composed.joint_table)
-    scene = scene_document(composed.robot, evidence=evidence, found=found)
-    return Shown(found, scene, robot=composed.robot, sidecar=sidecar.path, files=composed.files)
+    scene = scene_document(composed.robot, evidence=evidence, diagnostics=diagnostics)
+    return Shown(diagnostics, scene, robot=composed.robot, sidecar=sidecar.path, files=composed.files)
 
 
 def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Shown:
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     assembly: Assembly | None = None
     files: tuple[Path, ...] = (path,)
     try:
-        sidecar = load(path, options, found, text)
+        sidecar = load(path, options, diagnostics, text)
         if sidecar.document.modules:
-            return _show_composed(sidecar, options, found)
-        step = options.step or named_step(sidecar, found)
+            return _show_composed(sidecar, options, diagnostics)
+        step = options.step or named_step(sidecar, diagnostics)
         files = (path, step)
-        with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
-            assembly = loading.assembly(found)
+        with closing(Loading(step, what_to_read(sidecar, options), options, diagnostics)) as loading:
+            assembly = loading.assembly(diagnostics)
             files = (path, *_files(step, assembly))
-            built = build(sidecar, assembly, loading, options, found)
-            found.raise_if_errors()
+            built = build(sidecar, assembly, loading, options, diagnostics)
+            diagnostics.raise_if_errors()
             assert built is not None  # a missing robot always has an error
             built.double_counting.report(options.timeout)
     except StepbotError as error:
-        found.extend(error.diagnostics)
+        diagnostics.extend(error.diagnostics)
         if assembly is None:
-            return Shown(found, sidecar=path, files=files)
-        return _parts_alone(assembly, step_stem(assembly.source), found, path, files)
+            return Shown(diagnostics, sidecar=path, files=files)
+        return _parts_alone(assembly, step_stem(assembly.source), diagnostics, path, files)
     evidence = evidence_of_rows(built.joint_table, drafted_reviews(sidecar.text), drafted_stops(sidecar.text))
-    scene = scene_document(built.robot, evidence=evidence, assembly=assembly, found=found)
-    return Shown(found, scene, assembly, built.robot, path, files)
+    scene = scene_document(built.robot, evidence=evidence, assembly=assembly, diagnostics=diagnostics)
+    return Shown(diagnostics, scene, assembly, built.robot, path, files)

@@ -16,7 +16,7 @@ from .conversion import Options
 
 
 def with_self_collision(
-    robot: Robot, wanted: SelfCollisionSection, options: Options, found: Diagnostics, *, keep_some: bool = False
+    robot: Robot, wanted: SelfCollisionSection, options: Options, diagnostics: Diagnostics, *, keep_some: bool = False
 ) -> Robot:
     """The robot with the pairs of links that can overlap; pairs that always do are reported.
 
@@ -28,37 +28,39 @@ def with_self_collision(
     """
     span = Span(robot.source or robot.name)
     if reason := available():
-        found.add("SB817", f"self-collision: {reason}", span)
+        diagnostics.add("SB817", f"self-collision: {reason}", span)
         return robot
     try:
         searched = find_self_collision(robot, wanted.samples, options.cache, options.workers)
     except WorkerDied as death:
-        found.add("SB817", f"self-collision: {death.reason}", span, notes=death.last_lines)
+        diagnostics.add("SB817", f"self-collision: {death.reason}", span, notes=death.last_lines)
         return robot
     except RemoteError as error:
         if error.kind != "DoesNotClose":
             raise
-        found.add("SB808", f"{error.text} in the drawn pose", span)
-        found.raise_if_errors()
+        diagnostics.add("SB808", f"{error.text} in the drawn pose", span)
+        diagnostics.raise_if_errors()
         return robot
     exclude = tuple(PairClass(kind.value) for kind in dict.fromkeys(wanted.exclude))
     if keep_some and not searched.of_class(PairClass.SOMETIMES):
         exclude = tuple(kind for kind in exclude if kind is not PairClass.NEVER)
     searched = replace(searched, exclude=exclude)
-    _report(searched, wanted.samples, frozenset(map(frozenset, robot.excluded_contacts)), span, found)
+    _report(searched, wanted.samples, frozenset(map(frozenset, robot.excluded_contacts)), span, diagnostics)
     return replace(robot, self_collision=searched)
 
 
-def _report(searched: SelfCollision, wanted: int, stated: Set[frozenset[str]], span: Span, found: Diagnostics) -> None:
+def _report(
+    searched: SelfCollision, wanted: int, stated: Set[frozenset[str]], span: Span, diagnostics: Diagnostics
+) -> None:
     """Report missing samples, and pairs that always overlap, except those that somebody has excluded."""
     if searched.samples < wanted:
-        found.add("SB621", f"self-collision searched in {searched.samples:,} of {wanted:,} poses", span)
+        diagnostics.add("SB621", f"self-collision searched in {searched.samples:,} of {wanted:,} poses", span)
     for pair in (one for one in searched.of_class(PairClass.ALWAYS) if one.links not in stated):
         poses = "the drawn pose" if searched.samples == 1 else f"all {searched.samples:,} poses"
         excluded = "; their contacts are excluded" if PairClass.ALWAYS in searched.exclude else ""
         drawn = f",{by_depth(pair)} as drawn" if pair.depth is not None else ""
         message = f"links '{pair.link_a}' and '{pair.link_b}' overlap in {poses}{drawn}{excluded}"
-        found.add("SB620", message, span)
+        diagnostics.add("SB620", message, span)
 
 
 def by_depth(pair: PairContact) -> str:

@@ -25,7 +25,7 @@ SIDECAR_SUFFIXES = (".yaml", ".yml")
 def load(
     path: Path,
     options: Options,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     text: str | None = None,
     module: Tree | None = None,
     motors: OwnMotors = NO_MOTORS,
@@ -41,20 +41,20 @@ def load(
     Raises:
         StepbotError: There are errors.
     """
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     if text is None:
-        sidecar = load_sidecar(path, found, options.variant, module, motors)
+        sidecar = load_sidecar(path, diagnostics, options.variant, module, motors)
     else:
-        sidecar = parse_sidecar(text, path, found, options.variant, module, motors)
+        sidecar = parse_sidecar(text, path, diagnostics, options.variant, module, motors)
     if sidecar is not None:
-        check_sidecar(sidecar, found)
-        found.ignore(ignores(sidecar.root))
-    found.raise_if_errors()
+        check_sidecar(sidecar, diagnostics)
+        diagnostics.ignore(ignores(sidecar.root))
+    diagnostics.raise_if_errors()
     assert sidecar is not None
     return sidecar
 
 
-def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
+def named_step(sidecar: Sidecar, diagnostics: Diagnostics) -> Path:
     """The STEP of the sidecar; a missing file is reported at its name in the sidecar.
 
     Raises:
@@ -73,8 +73,8 @@ def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
         whole = shlex.join(["stepbot", "check", "--step", sidecar.path.as_posix()])
         help = [*help[:_SHOWN], f"`{whole}` lists the joints of the whole"]
         message = "modules: the robot is composed of them alone, without a STEP of its own"
-        found.add("SB150", message, sidecar.key_span("modules"), help=help)
-        found.raise_if_errors()
+        diagnostics.add("SB150", message, sidecar.key_span("modules"), help=help)
+        diagnostics.raise_if_errors()
     path = sidecar.step_path
     if not exists(path):
         folder = path.parent
@@ -83,8 +83,8 @@ def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
             *did_you_mean(path.name, beside),
             "`step` is relative to the sidecar; `--step FILE` selects another file",
         )
-        found.add("SB001", f"step: file '{sidecar.document.step}' not found", sidecar.span("step"), help=remedies)
-        found.raise_if_errors()
+        diagnostics.add("SB001", f"step: file '{sidecar.document.step}' not found", sidecar.span("step"), help=remedies)
+        diagnostics.raise_if_errors()
     return path
 
 
@@ -98,7 +98,7 @@ _SUFFIXES = (*SIDECAR_SUFFIXES, ".urdf", ".sdf", ".xml", ".xacro", ".usda", ".us
 _SHOWN = 5
 
 
-def report_missing(target: Path, found: Diagnostics) -> None:
+def report_missing(target: Path, diagnostics: Diagnostics) -> None:
     """Report SB001 with the files beside it that may be meant: similar names, else all that a command takes."""
     try:
         beside = sorted(
@@ -114,4 +114,4 @@ def report_missing(target: Path, found: Diagnostics) -> None:
         help = list(export_hint(target.as_posix()) or near) or (
             [f"files in '{target.parent.as_posix()}': {listed}"] if beside else []
         )
-    found.add("SB001", "file not found", Span(target.as_posix()), help=help)
+    diagnostics.add("SB001", "file not found", Span(target.as_posix()), help=help)

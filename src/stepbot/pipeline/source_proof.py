@@ -68,12 +68,12 @@ def compared_with_source(
     written: Rendered,
     report: Report,
     options: Options,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> Report:
     """The report with the comparison of each written file with the description that it came from.
 
     Args:
-        found: Receives SB8xx and SB9xx.
+        diagnostics: Receives SB8xx and SB9xx.
     """
     with TemporaryDirectory(dir=run_folder()) as folder:
         place = Path(folder) / (options.package or options.gazebo)  # where meshes are found by the name of the folder
@@ -99,7 +99,7 @@ def compared_with_source(
             joints = ", ".join(f"'{name}' ({kinds[name]})" for name, (several, _) in chains.items() if several[1:])
             text = f"joints {joints}: engines read the file with several single joints in place of each"
             if joints:
-                found.add(NOT_CONFIRMED, text, Span(path.as_posix()))
+                diagnostics.add(NOT_CONFIRMED, text, Span(path.as_posix()))
         checks = verify_against_source(
             source,
             Span(path.as_posix()),
@@ -108,7 +108,7 @@ def compared_with_source(
             described.names,
             described.pieces,
             described.of_robot,
-            found,
+            diagnostics,
             options.workers,
             options.package_path,
         )

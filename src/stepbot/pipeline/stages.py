@@ -72,22 +72,22 @@ def produce(
         kernel: A process started in advance; None to start one if needed.
         server: A process started in advance to start the engines; None to start one if needed.
     """
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     try:
         if is_description(sidecar):
             from .translating import produce_translation
 
-            return produce_translation(sidecar, options, found, progress, server)
-        return _produce(sidecar, options, found, progress, kernel, server)
+            return produce_translation(sidecar, options, diagnostics, progress, server)
+        return _produce(sidecar, options, diagnostics, progress, kernel, server)
     except StepbotError as error:
-        found.extend(error.diagnostics)
-        return Conversion(found)
+        diagnostics.extend(error.diagnostics)
+        return Conversion(diagnostics)
 
 
 def _produce(
     path: Path,
     options: Options,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     progress: Callable[[str], None],
     kernel: Worker | None,
     server: ForkServer | None,
@@ -97,14 +97,14 @@ def _produce(
     if options.verify:
         from stepbot.engines.workers import check_required
 
-        check_required(options.require, found)
-    sidecar = load(path, options, found)
+        check_required(options.require, diagnostics)
+    sidecar = load(path, options, diagnostics)
     with ExitStack() as running:
         built: Built | None = None
         loading: Loading | None = None
         if not sidecar.document.modules:
-            step = options.step or named_step(sidecar, found)
-            loading = Loading(step, what_to_read(sidecar, options), options, found, kernel)
+            step = options.step or named_step(sidecar, diagnostics)
+            loading = Loading(step, what_to_read(sidecar, options), options, diagnostics, kernel)
             running.enter_context(closing(loading))
         provers = started_provers(formats, options, server)
         if provers is not None:
@@ -112,13 +112,13 @@ def _produce(
         if loading is None:
             from .composing import compose
 
-            composed = compose(sidecar, options, found)
+            composed = compose(sidecar, options, diagnostics)
             robot, inputs = composed.robot, input_hashes(input_names(composed.files[0], composed.files[1:]))
         else:
-            assembly = loading.assembly(found)
+            assembly = loading.assembly(diagnostics)
             progress("build")
-            built = build(sidecar, assembly, loading, options, found)
-            found.raise_if_errors()
+            built = build(sidecar, assembly, loading, options, diagnostics)
+            diagnostics.raise_if_errors()
             assert built is not None  # a missing robot always has an error
             robot, inputs = built.robot, loading.inputs()
         given = sidecar.document.self_collision
@@ -127,20 +127,20 @@ def _produce(
             from .self_collisions import with_self_collision
 
             progress("self-collision")
-            robot = with_self_collision(robot, wanted, options, found, keep_some=given is None)
+            robot = with_self_collision(robot, wanted, options, diagnostics, keep_some=given is None)
 
         progress("write")
-        written = rendered(robot, formats, options, found)
+        written = rendered(robot, formats, options, diagnostics)
         if built is not None:
             built.double_counting.report(options.timeout)
         shapes = built.collisions.result(options.timeout) if built is not None else ()
         if options.strict:
-            found.make_strict()
-        found.raise_if_errors()
+            diagnostics.make_strict()
+        diagnostics.raise_if_errors()
 
         progress("verify")
-        report = proven(written, provers, options, found, composed.modules if loading is None else ())
-    report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
+        report = proven(written, provers, options, diagnostics, composed.modules if loading is None else ())
+    report_unused(diagnostics, _JUDGED_BY_BUILD + judged_by_files(options))
     motors = {one.name: one.motor for one in robot.actuators if one.motor is not None}
     report = replace(
         report,
@@ -158,11 +158,11 @@ def _produce(
         of_modules = composed.checks if options.verify else ()
         report = replace(report, joint_table=composed.joint_table, checks=(*report.checks, *of_modules))
     if options.strict:
-        found.make_strict()
-    files = all_files(written, report, options, found)
+        diagnostics.make_strict()
+    files = all_files(written, report, options, diagnostics)
     if loading is None:
-        return Conversion(found, robot, files, report, geometry=composed.content, read=composed.sought)
-    return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
+        return Conversion(diagnostics, robot, files, report, geometry=composed.content, read=composed.sought)
+    return Conversion(diagnostics, robot, files, report, sidecar.document.step, loading.content)
 
 
 def _search_unasked(document: Document, options: Options) -> SelfCollisionSection | None:
@@ -172,7 +172,7 @@ def _search_unasked(document: Document, options: Options) -> SelfCollisionSectio
     return SelfCollisionSection() if options.ros2 else None
 
 
-def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:
+def check(sidecar: Path, options: Options, diagnostics: Diagnostics, *, open_step: bool = False) -> Checked:
     """Check a sidecar on its own or, with ``open_step``, against the STEP file; writes nothing.
 
     A URDF, SDFormat or MJCF is read with its meshes.
@@ -182,64 +182,68 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         if is_description(sidecar):
             from .translating import check_description
 
-            return check_description(sidecar, options, found)
-        loaded = load(sidecar, options, found)
+            return check_description(sidecar, options, diagnostics)
+        loaded = load(sidecar, options, diagnostics)
         document = loaded.document
         checked = Checked(document.step, len(document.links), len(document.joints) + len(document.closures))
         if open_step and document.modules:
             from .composing import compose
 
-            composed = compose(loaded, options, found)
+            composed = compose(loaded, options, diagnostics)
             whole = composed.robot
             joints = len(whole.joints) + len(whole.closures)
             checked = Checked("", len(whole.links), joints, composed.joint_table, robot_words(whole))
         elif open_step:
             from .expectations import report_passed_stops
 
-            source = options.step or named_step(loaded, found)
-            with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
-                assembly = loading.assembly(found)
-                built = build(loaded, assembly, loading, options, found)
+            source = options.step or named_step(loaded, diagnostics)
+            with closing(Loading(source, what_to_read(loaded, options), options, diagnostics)) as loading:
+                assembly = loading.assembly(diagnostics)
+                built = build(loaded, assembly, loading, options, diagnostics)
                 if built is not None:
                     checked = checked._replace(joint_table=built.joint_table, robot=robot_words(built.robot))
-                    report_passed_stops(loaded, built, assembly, found)
+                    report_passed_stops(loaded, built, assembly, diagnostics)
                     built.double_counting.report(options.timeout)
-        if not found.has_errors:
-            report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)
+        if not diagnostics.has_errors:
+            report_unused(diagnostics, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)
     except StepbotError as error:
-        found.extend(error.diagnostics)
+        diagnostics.extend(error.diagnostics)
     return checked
 
 
-def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:
+def step_of(sidecar: Path, options: Options, diagnostics: Diagnostics) -> Path | None:
     """The STEP file of a conversion; None after errors."""
     try:
-        return options.step or named_step(load(sidecar, options, found), found)
+        return options.step or named_step(load(sidecar, options, diagnostics), diagnostics)
     except StepbotError as error:
-        found.extend(error.diagnostics)
+        diagnostics.extend(error.diagnostics)
         return None
 
 
 def inspect(path: Path, options: Options) -> Inspection:
     """Read a STEP file and measure its bodies; for a sidecar, read its STEP, with its links' components."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     try:
-        sidecar = load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
-        step = path if sidecar is None else options.step or named_step(sidecar, found)
+        sidecar = load(path, options, diagnostics) if path.suffix.lower() in SIDECAR_SUFFIXES else None
+        step = path if sidecar is None else options.step or named_step(sidecar, diagnostics)
         sidecar = None if sidecar is None else own_part(sidecar)
         what = what_to_read(sidecar, options)
-        with closing(Loading(step, what, options, found)) as loading:
-            assembly = loading.incomplete_assembly(found)
-            measures = () if assembly is None else loading.measures(found)
+        with closing(Loading(step, what, options, diagnostics)) as loading:
+            assembly = loading.incomplete_assembly(diagnostics)
+            measures = () if assembly is None else loading.measures(diagnostics)
     except StepbotError as error:
-        found.extend(error.diagnostics)
-        return Inspection(found, None)
+        diagnostics.extend(error.diagnostics)
+        return Inspection(diagnostics, None)
     if assembly is not None:
         from .building import report_large_assembly
 
-        report_large_assembly(assembly, found)
-    links = {} if sidecar is None or found.has_errors or assembly is None else link_components(assembly, sidecar, found)
-    return Inspection(found, assembly, measures, links, what.tolerance)
+        report_large_assembly(assembly, diagnostics)
+    links = (
+        {}
+        if sidecar is None or diagnostics.has_errors or assembly is None
+        else link_components(assembly, sidecar, diagnostics)
+    )
+    return Inspection(diagnostics, assembly, measures, links, what.tolerance)
 
 
 _JUDGED_BY_TEXT = ("SB1",)

@@ -49,7 +49,7 @@ _ASSUMED = {
 
 
 def produce_translation(
-    path: Path, options: Options, found: Diagnostics, progress: Callable[[str], None], server: ForkServer | None
+    path: Path, options: Options, diagnostics: Diagnostics, progress: Callable[[str], None], server: ForkServer | None
 ) -> Conversion:
     """Convert a description, and verify the files; writes nothing.
 
@@ -58,46 +58,46 @@ def produce_translation(
     """
     progress("read")
     formats = [format_named(name) for name in dict.fromkeys(options.formats)]
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     if options.verify:
-        check_required(options.require, found)
+        check_required(options.require, diagnostics)
     with ExitStack() as running:
         provers = started_provers(formats, options, server)
         if provers is not None:
             running.enter_context(provers)
-        description = _read(path, options, found)
+        description = _read(path, options, diagnostics)
         progress("build")
-        robot, described = _robot(path, description, options, found)
+        robot, described = _robot(path, description, options, diagnostics)
         if options.ros2:
             progress("self-collision")
-            robot = with_self_collision(robot, SelfCollisionSection(), options, found)
+            robot = with_self_collision(robot, SelfCollisionSection(), options, diagnostics)
         progress("write")
-        written = rendered(robot, formats, options, found)
-        _check_overwritten(written, (path, *description.files), options, found)
+        written = rendered(robot, formats, options, diagnostics)
+        _check_overwritten(written, (path, *description.files), options, diagnostics)
         if options.strict:
-            found.make_strict()
-        found.raise_if_errors()
+            diagnostics.make_strict()
+        diagnostics.raise_if_errors()
         progress("verify")
         report = proven(written, provers, options, proof := Diagnostics())
         if report.initial_penetrations and description.observation.format != "mjcf":
             described = _without_contacts(described, report.initial_penetrations)
-            found.add(described.findings[-1].code, described.findings[-1].text, Span(path.as_posix()))
+            diagnostics.add(described.findings[-1].code, described.findings[-1].text, Span(path.as_posix()))
             pairs = described.robot.excluded_contacts
             robot = replace(robot, excluded_contacts=pairs)
-            written = rendered(robot, formats, options, found)
+            written = rendered(robot, formats, options, diagnostics)
             again = running.enter_context(started_provers(formats, options, None) or nullcontext())
             report = proven(written, again, options, proof := Diagnostics())
-        found.extend(proof)
+        diagnostics.extend(proof)
     if options.verify:
         from .source_proof import compared_with_source
 
-        report = compared_with_source(path, description, described, written, report, options, found)
-    report_unused(found, _JUDGED + judged_by_files(options))
+        report = compared_with_source(path, description, described, written, report, options, diagnostics)
+    report_unused(diagnostics, _JUDGED + judged_by_files(options))
     inputs = input_hashes(input_names(path, description.files))
     report = replace(report, inputs=inputs, joint_table=joint_rows_of(robot))
     if options.strict:
-        found.make_strict()
-    return Conversion(found, robot, all_files(written, report, options, found), report)
+        diagnostics.make_strict()
+    return Conversion(diagnostics, robot, all_files(written, report, options, diagnostics), report)
 
 
 def _without_contacts(described: Described, pairs: Sequence[tuple[str, str]]) -> Described:
@@ -113,21 +113,21 @@ def _without_contacts(described: Described, pairs: Sequence[tuple[str, str]]) ->
     return replace(described, robot=robot, findings=(*described.findings, finding))
 
 
-def check_description(path: Path, options: Options, found: Diagnostics) -> Checked:
+def check_description(path: Path, options: Options, diagnostics: Diagnostics) -> Checked:
     """Check that a description can be converted; writes nothing.
 
     Raises:
         StepbotError: There are errors.
     """
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
-    robot, _ = _robot(path, _read(path, options, found), options, found)
-    report_unused(found, _JUDGED)
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    robot, _ = _robot(path, _read(path, options, diagnostics), options, diagnostics)
+    report_unused(diagnostics, _JUDGED)
     joints = len(robot.joints) + len(robot.closures)
     return Checked("", len(robot.links), joints, joint_rows_of(robot), robot_words(robot))
 
 
 def robot_of_file(
-    path: Path, options: Options, found: Diagnostics, replaced: Collection[str] = ()
+    path: Path, options: Options, diagnostics: Diagnostics, replaced: Collection[str] = ()
 ) -> tuple[Robot, tuple[Path, ...]]:
     """The checked robot of a description, and the further files that it refers to.
 
@@ -137,19 +137,19 @@ def robot_of_file(
     Raises:
         StepbotError: There are errors.
     """
-    description = _read(path, options, found)
-    return _robot(path, description, options, found, replaced)[0], description.files
+    description = _read(path, options, diagnostics)
+    return _robot(path, description, options, diagnostics, replaced)[0], description.files
 
 
-def _read(path: Path, options: Options, found: Diagnostics) -> Description:
-    description = read_description(path, options, found)
-    found.raise_if_errors()
+def _read(path: Path, options: Options, diagnostics: Diagnostics) -> Description:
+    description = read_description(path, options, diagnostics)
+    diagnostics.raise_if_errors()
     assert description is not None  # otherwise there is an error with the reason
     return description
 
 
 def _robot(
-    path: Path, description: Description, options: Options, found: Diagnostics, replaced: Collection[str] = ()
+    path: Path, description: Description, options: Options, diagnostics: Diagnostics, replaced: Collection[str] = ()
 ) -> tuple[Robot, Described]:
     """The checked robot of a description; all differences from its file are reported."""
     span = Span(path.as_posix())
@@ -159,54 +159,54 @@ def _robot(
         place = description.place((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line)
         times = f" ({lost.count} times)" if lost.count > 1 else ""
         notes = [lost.effect] if lost.effect else ()
-        found.add("SB860", f"{lost.what}: not converted{times}", place, notes=notes, help=lost.help)
+        diagnostics.add("SB860", f"{lost.what}: not converted{times}", place, notes=notes, help=lost.help)
     if description.plain_meshes:
         meshes = ", ".join(f"'{uri}'" for uri in description.plain_meshes)
-        found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
+        diagnostics.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     described = _with_possible_masses(described, options)
     lacking_inertia = () if options.assume_inertia else description.without_inertia
     without_inertia = [link for link in lacking_inertia if link not in replaced]
     for link in without_inertia:
         text = f"link '{link}': <inertial> has a mass and no <inertia>"
         help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"]
-        found.add(UNSUPPORTED, text, place_of(text, path, description), help=help)
+        diagnostics.add(UNSUPPORTED, text, place_of(text, path, description), help=help)
     for one in described.findings:
-        found.add(one.code, one.text, place_of(one.text, path, description), help=one.help)
+        diagnostics.add(one.code, one.text, place_of(one.text, path, description), help=one.help)
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
     known = computed | described.surroundings | set(replaced)
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in known)
     if links:
         taken = _ASSUMED[description.observation.format]
-        found.add("SB867", f"mass properties not given in the file: {links}", span, notes=[taken])
+        diagnostics.add("SB867", f"mass properties not given in the file: {links}", span, notes=[taken])
     for limit in description.open_limits:
         missing = " and ".join(f"'{bound}'" for bound in limit.missing)
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
         is_open = len(limit.missing) == 2
         ros = ("takes 0 for both: the joint cannot move" if limit.has_element else "rejects the file",)
-        found.add(
+        diagnostics.add(
             "SB874:limit",
             f"joint '{limit.joint}': {lacks}: {'read as unlimited' if is_open else '0 taken'}",
             description.place(span.file, limit.line),
             help=['state `lower` and `upper`, or `type="continuous"` for a hinge without limits'] if is_open else (),
             notes=[f"ROS (urdfdom) {one}" for one in ros if is_open],
         )
-    _report_names(described.robot, span, found)
+    _report_names(described.robot, span, diagnostics)
     for newer in description.newer:
         text = f"{newer.what} is of URDF {newer.needs:g}, which the file does not state: read as such"
         remedy = f'state it: `<robot version="{newer.needs:g}">`'
-        found.add("SB876", text, description.place(span.file, newer.line), help=[remedy])
-    if not (described.is_base_known or base or found.has_errors):
+        diagnostics.add("SB876", text, description.place(span.file, newer.line), help=[remedy])
+    if not (described.is_base_known or base or diagnostics.has_errors):
         message = f"link '{described.robot.root.name}': taken as fixed to the world"
         help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]
-        found.add("SB874:base", message, span, help=help)
+        diagnostics.add("SB874:base", message, span, help=help)
     judged = Diagnostics()
     check_robot(described.robot, judged, span, massless_between=True)
     if not judged.has_errors:
         check_inertials(described.robot, judged, span)
     subjects = tuple(f"link '{link}': " for link in (*replaced, *without_inertia))
-    found.extend(one for one in judged if not one.message.startswith(subjects))
-    found.raise_if_errors()
-    robot = _tuned(described.robot, span, found)
+    diagnostics.extend(one for one in judged if not one.message.startswith(subjects))
+    diagnostics.raise_if_errors()
+    robot = _tuned(described.robot, span, diagnostics)
     return robot, replace(described, robot=robot)
 
 
@@ -232,7 +232,7 @@ def computed_gains(actuator: Actuator) -> str:
     return f"actuator '{actuator.name}' on '{actuator.joint}': no gains in the file: {gains} computed"
 
 
-def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
+def _tuned(robot: Robot, span: Span, diagnostics: Diagnostics) -> Robot:
     """The robot with computed gains for actuators of which the file gives none (SB874:gains)."""
     weak: dict[str, str] = {}
 
@@ -243,29 +243,29 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
     for one in tuned_robot.actuators:
         if one.tuning is not None and one.tuning.assumed:
             notes = [weak[one.name]] if one.name in weak else ()
-            found.add("SB874:gains", computed_gains(one), span, notes=notes)
+            diagnostics.add("SB874:gains", computed_gains(one), span, notes=notes)
     return tuned_robot
 
 
-def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
+def _report_names(robot: Robot, span: Span, diagnostics: Diagnostics) -> None:
     """Report names that not every reader takes (SB129), as in a sidecar."""
     named = {section.removesuffix("s"): [one.name for one in members] for section, members in elements(robot).items()}
     for kind, names in {"robot": [robot.name], **named}.items():
         for name in names:
             if (portable := portable_name(name, kind)) != name:
                 help = [f"rename it to '{portable}' in the source, or in a sidecar: `stepbot view --edit`"]
-                found.add("SB129", f"{kind} '{name}': {not_portable(name)}", span, help=help)
+                diagnostics.add("SB129", f"{kind} '{name}': {not_portable(name)}", span, help=help)
 
 
-def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, found: Diagnostics) -> None:
+def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, diagnostics: Diagnostics) -> None:
     """Report files that the conversion would write over its own source (SB012)."""
     read = {resolved(source) for source in sources}
     for path in (path for files in written.by_format.values() for path in files):
         if resolved(options.output / path) in read:
-            found.add(
+            diagnostics.add(
                 "SB012",
                 f"the conversion would overwrite '{path}', which it reads",
                 Span((options.output / path).as_posix()),
                 help=["convert into another folder: `-o FOLDER`"],
             )
-    found.raise_if_errors()
+    diagnostics.raise_if_errors()

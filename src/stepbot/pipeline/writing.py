@@ -55,7 +55,7 @@ class Rendered(Struct, frozen=True, eq=False):
     """For each format, the codes of what it rewrites or lacks."""
 
 
-def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: Diagnostics) -> Rendered:
+def rendered(robot: Robot, formats: Sequence[Format], options: Options, diagnostics: Diagnostics) -> Rendered:
     """The files of a robot in each format.
 
     Raises:
@@ -71,8 +71,8 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
 
             source = shown_in_rviz(robot)
         lowered[written.name] = lower(source, written, declared, names.get(written.name))
-        losses[written.name] = frozenset(one.code for one in found.extend(declared))
-    found.raise_if_errors()
+        losses[written.name] = frozenset(one.code for one in diagnostics.extend(declared))
+    diagnostics.raise_if_errors()
     by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
     listed = tuple(
         replace(one, path=names[one.format]) if one.content is Content.ROBOT and one.format in names else one
@@ -86,16 +86,16 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
             from stepbot.robot.datasheet import accelerations
 
             by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package, accelerations(robot)))
-            report_gaps(lowered[URDF.name], found)
+            report_gaps(lowered[URDF.name], diagnostics)
     if any(path.endswith(".srdf") for path in by_format.get(URDF.name, ())):
-        report_guesses(lowered[URDF.name], found)
+        report_guesses(lowered[URDF.name], diagnostics)
     if options.programs:
         from stepbot.formats.learning import MENAGERIE, program_files
         from stepbot.formats.mjcf.menagerie import report_missing_license
 
         if MENAGERIE in options.programs:
-            report_missing_license(robot, found)
-        for name, files in program_files(options.programs, lowered, found).items():
+            report_missing_license(robot, diagnostics)
+        for name, files in program_files(options.programs, lowered, diagnostics).items():
             by_format[name] |= files
     if options.gazebo and SDFORMAT.name in by_format:
         by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
@@ -130,7 +130,11 @@ def started_provers(formats: Sequence[Format], options: Options, server: ForkSer
 
 
 def proven(
-    written: Rendered, provers: "Provers | None", options: Options, found: Diagnostics, modules: "Sequence[Alone]" = ()
+    written: Rendered,
+    provers: "Provers | None",
+    options: Options,
+    diagnostics: Diagnostics,
+    modules: "Sequence[Alone]" = (),
 ) -> Report:
     """The report on the files; without engines, on the robot alone.
 
@@ -139,7 +143,7 @@ def proven(
     """
     robot = written.robot
     if provers is not None:
-        report = _verified(written, provers, options, found, modules)
+        report = _verified(written, provers, options, diagnostics, modules)
     else:
         driven = driven_joints(robot) if robot.closures else ()
         report = Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
@@ -147,7 +151,7 @@ def proven(
 
 
 def _verified(
-    written: Rendered, provers: "Provers", options: Options, found: Diagnostics, modules: "Sequence[Alone]"
+    written: Rendered, provers: "Provers", options: Options, diagnostics: Diagnostics, modules: "Sequence[Alone]"
 ) -> Report:
     """Verify the files in a temporary folder, before anything in the output folder is changed."""
     from stepbot.engines.workers import ObservationCache
@@ -167,7 +171,9 @@ def _verified(
                 contents[beside.format] = contents[name]
         observations = ObservationCache(options.cache, contents)
         require, timeout = options.require, options.timeout
-        return verify(written.robot, files, provers, found, require=require, timeout=timeout, observations=observations)
+        return verify(
+            written.robot, files, provers, diagnostics, require=require, timeout=timeout, observations=observations
+        )
 
 
 def _lowered(modules: "Sequence[Alone]", name: str, whole: Robot) -> "tuple[tuple[Alone, Robot], ...]":
@@ -196,9 +202,9 @@ def _sources(written: Rendered) -> dict[str, str]:
     return {file.path: file.asset.source for file in files}
 
 
-def all_files(written: Rendered, report: Report, options: Options, found: Diagnostics) -> dict[str, bytes]:
+def all_files(written: Rendered, report: Report, options: Options, diagnostics: Diagnostics) -> dict[str, bytes]:
     """All files to write, by path: those of the formats, and the report."""
-    files = {**joined(written.by_format), REPORT: report_bytes(report, found)}
+    files = {**joined(written.by_format), REPORT: report_bytes(report, diagnostics)}
     if options.programs:
         from stepbot.formats.learning import FOLDERS, MENAGERIE, SIMREADY, simready_folder
 
@@ -212,7 +218,7 @@ def all_files(written: Rendered, report: Report, options: Options, found: Diagno
     if options.html:
         from stepbot.viewing.report.page import report_page
 
-        files[REPORT_PAGE] = report_page(written.robot, report, tuple(found), source_lines(found))
+        files[REPORT_PAGE] = report_page(written.robot, report, tuple(diagnostics), source_lines(diagnostics))
     return files
 
 
@@ -222,9 +228,9 @@ def judged_by_files(options: Options) -> tuple[str, ...]:
     return (*losses, *(("SB8",) if options.verify else ()))
 
 
-def report_unused(found: Diagnostics, judged: tuple[str, ...]) -> None:
+def report_unused(diagnostics: Diagnostics, judged: tuple[str, ...]) -> None:
     """Report ignore rules that match nothing (SB142), among the checked codes."""
-    for rule in found.unused_ignores:
+    for rule in diagnostics.unused_ignores:
         if rule.code.startswith(judged) and not rule.code.startswith(_NEVER_UNUSED):
             about = f"{rule.subject}: " if rule.subject else ""
-            found.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])
+            diagnostics.add("SB142", f"{about}unused ignore of {rule.code}", rule.span, help=["remove the entry"])

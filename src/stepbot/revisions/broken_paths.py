@@ -21,7 +21,7 @@ _NAMED = 3
 Group = Sequence[BrokenPath]
 
 
-def report_broken(compared: Comparison, found: Diagnostics) -> None:
+def report_broken(compared: Comparison, diagnostics: Diagnostics) -> None:
     """Report each path that no longer matches the same components, at its first place: SB310 to SB312.
 
     Paths broken by the renaming of a subassembly are one diagnostic.
@@ -39,7 +39,7 @@ def report_broken(compared: Comparison, found: Diagnostics) -> None:
         notes = [f"also in line{'s' if len(lines) > 1 else ''} {', '.join(map(str, lines))}"] if lines else []
         notes += [f"{quoted(one.pattern)} names another component now" for one in group if one.names_others]
         message = f"{subject(first.keys[:2])}: {words}"
-        found.add(code, message, _span(compared, first), help=help, notes=[*notes, *listed(broken.candidates)])
+        diagnostics.add(code, message, _span(compared, first), help=help, notes=[*notes, *listed(broken.candidates)])
 
 
 def _grouped(broken: Iterable[BrokenPath]) -> list[list[BrokenPath]]:

@@ -228,7 +228,7 @@ def revised(
     return Comparison(sidecar, assembly, lock, new, matched, broken, replaced, bound, components)
 
 
-def report_outdated(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:
+def report_outdated(lock: Snapshot, sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report joints and paths of the sidecar that the lock lacks, because the sidecar was edited later: SB016."""
     document = sidecar.document
     locked = {joint.name for joint in lock.joints}
@@ -242,4 +242,4 @@ def report_outdated(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> Non
         remedy = f"check the robot, then update the lock file: `{shlex.join(['stepbot', 'lock', sidecar.path.name])}`"
         count = f"{len(missing)} names of the sidecar are" if len(missing) > 1 else "one name of the sidecar is"
         message = f"outdated lock file: {count} not in it"
-        found.add("SB016", message, sidecar.span(), help=[remedy], notes=listed(missing))
+        diagnostics.add("SB016", message, sidecar.span(), help=[remedy], notes=listed(missing))

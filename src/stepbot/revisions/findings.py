@@ -20,17 +20,17 @@ _SAME_MASS = 1e-6
 """Relative difference up to which masses are equal."""
 
 
-def report_changes(compared: Comparison, found: Diagnostics) -> None:
+def report_changes(compared: Comparison, diagnostics: Diagnostics) -> None:
     """Report everything that changed: SB304, SB310 to SB318."""
-    report_broken(compared, found)
-    _Reporter(compared, found).report()
+    report_broken(compared, diagnostics)
+    _Reporter(compared, diagnostics).report()
 
 
 class _Reporter:
     """Reports changes other than broken paths."""
 
-    def __init__(self, compared: Comparison, found: Diagnostics) -> None:
-        self._c, self._found = compared, found
+    def __init__(self, compared: Comparison, diagnostics: Diagnostics) -> None:
+        self._c, self._diagnostics = compared, diagnostics
         self._sidecar = compared.sidecar
         self._accept = f"if the change is intended: `{compared.command('lock')}`"
         self._paths = ComponentPaths(compared.assembly.components)
@@ -49,7 +49,7 @@ class _Reporter:
     def report(self) -> None:
         if self._c.match.is_moved:
             message = f"step: the whole assembly {common_words(self._c.match.common)}"
-            self._found.add("SB318:pose", message, self._sidecar.span("step"), help=[self._accept])
+            self._diagnostics.add("SB318:pose", message, self._sidecar.span("step"), help=[self._accept])
         self._report_renamed()
         self._report_removed()
         self._report_added()
@@ -134,7 +134,7 @@ class _Reporter:
         if loose:
             noun, verb = several(loose, "new component")
             them = "it" if len(loose) == 1 else "them"
-            self._found.add(
+            self._diagnostics.add(
                 "SB304",
                 f"{self._c.assembly.source}: {noun} {verb} not assigned to any link",
                 self._sidecar.key_span("links"),
@@ -196,7 +196,7 @@ class _Reporter:
     def _add(self, code: str, keys: Keys, message: str, help: Sequence[str], notes: Sequence[str] = ()) -> None:
         is_value = len(keys) > 2
         span = self._sidecar.span(*keys) if is_value else self._sidecar.key_span(*keys)
-        self._found.add(code, f"{subject(keys[:2])}: {message}", span, help=help, notes=notes)
+        self._diagnostics.add(code, f"{subject(keys[:2])}: {message}", span, help=help, notes=notes)
 
 
 def _named(paths: Sequence[str]) -> tuple[str, ...]:

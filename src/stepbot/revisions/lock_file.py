@@ -45,7 +45,7 @@ def lock_bytes(snapshot: Snapshot) -> bytes:
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode("utf-8", "backslashreplace")
 
 
-def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
+def read_lock(path: Path, robot: str, diagnostics: Diagnostics) -> Snapshot | None:
     """The lock of a robot at a path; None if it is missing or unusable, which is reported (SB013 to SB015)."""
     span = Span(path.as_posix())
     remedy = [f"restore '{path.name}' from version control, or replace it with `stepbot lock`"]
@@ -55,7 +55,7 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        found.add("SB013", f"cannot read the lock file: {error.strerror or error}", span, help=remedy)
+        diagnostics.add("SB013", f"cannot read the lock file: {error.strerror or error}", span, help=remedy)
         return None
     try:
         document = _parsed(content)
@@ -63,15 +63,17 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
         if version > VERSION:
             help = ["upgrade stepbot, or replace the lock file with `stepbot lock`"]
             message = f"lock file has version {version}; the newest supported version is {VERSION}"
-            found.add("SB013", message, span, help=help)
+            diagnostics.add("SB013", message, span, help=help)
             return None
         lock = _snapshot(document)
     except Invalid as error:
-        found.add("SB013", f"invalid lock file: {error}", Span(path.as_posix(), error.line), help=remedy)
+        diagnostics.add("SB013", f"invalid lock file: {error}", Span(path.as_posix(), error.line), help=remedy)
         return None
     if lock.robot != robot:
         help = ["replace it with `stepbot lock`, or delete it"]
-        found.add("SB015", f"lock file ignored: it belongs to robot '{lock.robot}', not '{robot}'", span, help=help)
+        diagnostics.add(
+            "SB015", f"lock file ignored: it belongs to robot '{lock.robot}', not '{robot}'", span, help=help
+        )
         return None
     return lock
 

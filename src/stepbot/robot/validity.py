@@ -56,7 +56,7 @@ Report = Callable[..., None]
 
 def check_robot(
     robot: Robot,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     span: Span | None = None,
     unit: str = "",
     *,
@@ -77,7 +77,7 @@ def check_robot(
 
     def report(code: str, message: str, *, help: Iterable[str] = (), about: str = "") -> None:
         known, subject = places(), message.partition(": ")[0]
-        found.add(code, message, known.get(about) or known.get(subject, place), help=help)
+        diagnostics.add(code, message, known.get(about) or known.get(subject, place), help=help)
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):

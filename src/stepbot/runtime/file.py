@@ -78,7 +78,7 @@ def read_regular(path: Path) -> bytes:
         return file.read()
 
 
-def write_file(path: Path, content: bytes, found: Diagnostics, *, replaces: bytes | None = None) -> None:
+def write_file(path: Path, content: bytes, diagnostics: Diagnostics, *, replaces: bytes | None = None) -> None:
     """Write a file, or keep the previous one and report the error (SB004) in ``found``.
 
     The file keeps its mode; where ``path`` is a symbolic link, the file that it leads to is written.
@@ -91,7 +91,7 @@ def write_file(path: Path, content: bytes, found: Diagnostics, *, replaces: byte
         replace_file(path, content, replaces)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        found.add("SB004", f"cannot write the file: {reason}", Span(path.as_posix()))
+        diagnostics.add("SB004", f"cannot write the file: {reason}", Span(path.as_posix()))
 
 
 def replace_file(path: Path, content: bytes, replaces: bytes | None = None) -> None:

@@ -80,7 +80,7 @@ def write_atomically(
     files: Mapping[str, bytes],
     folder: Path,
     sidecar: Path | None = None,
-    found: Diagnostics | None = None,
+    diagnostics: Diagnostics | None = None,
     hashes: Mapping[str, str] | None = None,
 ) -> None:
     """Write all files, or none.
@@ -93,7 +93,7 @@ def write_atomically(
         folder: Output folder; created if missing.
         sidecar: The sidecar of the files. The list names it if it and ``folder`` are below the current folder; no path
             outside of a project is written.
-        found: Receives the note SB011 if the file system has no locks.
+        diagnostics: Receives the note SB011 if the file system has no locks.
         hashes: SHA-256 of each file; None to compute them.
 
     Raises:
@@ -104,9 +104,9 @@ def write_atomically(
     try:
         make_folders(folder, made)
         with locked(folder, _LONGEST_WAIT) as is_alone:
-            if not is_alone and found is not None:
+            if not is_alone and diagnostics is not None:
                 message = "file system without locks: concurrent conversions into this folder are not detected"
-                found.add("SB011", message, Span(str(folder)), help=["run one conversion at a time"])
+                diagnostics.add("SB011", message, Span(str(folder)), help=["run one conversion at a time"])
             lists = _listed_after(files, hashes or content_hashes(files), folder, _from_folder(sidecar, folder))
             if _is_current(files, folder, lists):
                 stamp(folder)
@@ -346,6 +346,6 @@ def _check_kept(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None
 def _refuse(
     folder: Path, message: str, remedy: str = "choose another folder with -o, or grant write permission"
 ) -> NoReturn:
-    found = Diagnostics()
-    found.add("SB004", message, Span(str(folder)), help=(remedy,))
-    raise StepbotError(found)
+    diagnostics = Diagnostics()
+    diagnostics.add("SB004", message, Span(str(folder)), help=(remedy,))
+    raise StepbotError(diagnostics)

@@ -57,9 +57,9 @@ def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
         return Edited(sidecar, sidecar.root)
     given = value_at(sidecar.root, ("modules", module, "set"))
     changes = given if isinstance(given, Mapping) else None
-    base = sidecar_of(robot, changes, sidecar.path.parent / source, found := Diagnostics())
+    base = sidecar_of(robot, changes, sidecar.path.parent / source, diagnostics := Diagnostics())
     if base is None:
-        raise Refused(next((one.message for one in found), "the description cannot be edited"))
+        raise Refused(next((one.message for one in diagnostics), "the description cannot be edited"))
     assert isinstance(sidecar.root, Mapping)
     entries = {key: entry for key, entry in sidecar.root.entries.items() if key != "modules"}
     entries |= {} if changes is None else changes.entries

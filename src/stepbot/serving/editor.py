@@ -130,9 +130,9 @@ class Editor:
         return sidecar_text(replace(drafting.draft, robot=document.robot), document.step, encoding=encoding)
 
     def _parsed(self, text: str) -> Sidecar:
-        sidecar = parse_sidecar(text, self._sidecar, found := Diagnostics())
+        sidecar = parse_sidecar(text, self._sidecar, diagnostics := Diagnostics())
         if sidecar is None:
-            raise Refused(_reasons(found, "the sidecar has errors"))
+            raise Refused(_reasons(diagnostics, "the sidecar has errors"))
         return sidecar
 
     def _content(self) -> bytes:
@@ -149,10 +149,10 @@ class Editor:
         shown = show_text(self._sidecar, _lines(content)[0], self._options)
         if shown.diagnostics.has_errors:
             raise Refused(_reasons(shown.diagnostics, "`check` would reject this"))
-        found = Diagnostics()
-        write_file(self._sidecar, content, found, replaces=before)
-        if found.has_errors:
-            raise Refused(_reasons(found, "the sidecar cannot be written"))
+        diagnostics = Diagnostics()
+        write_file(self._sidecar, content, diagnostics, replaces=before)
+        if diagnostics.has_errors:
+            raise Refused(_reasons(diagnostics, "the sidecar cannot be written"))
         return shown
 
 
@@ -168,8 +168,8 @@ def _lines(content: bytes) -> tuple[str, str]:
     return text.replace("\r\n", "\n"), newline
 
 
-def _reasons(found: Diagnostics, otherwise: str) -> str:
+def _reasons(diagnostics: Diagnostics, otherwise: str) -> str:
     """The errors, each with its first remedy."""
-    errors = [one for one in found if one.severity == "error"]
+    errors = [one for one in diagnostics if one.severity == "error"]
     lines = [f"{one.message} ({one.code}){': ' + one.remedies[0] if one.remedies else ''}" for one in errors[:3]]
     return "\n".join([f"{otherwise}:", *lines]) if lines else otherwise

@@ -222,8 +222,8 @@ class Session:
         return {"kind": kind, "radius": face.radius, "origin": origin, "line": line}
 
 
-def _documents(found: Diagnostics) -> list[Json]:
-    return diagnostic_documents(found, source_lines(found))
+def _documents(diagnostics: Diagnostics) -> list[Json]:
+    return diagnostic_documents(diagnostics, source_lines(diagnostics))
 
 
 def _signature(files: Iterable[Path]) -> Signature:

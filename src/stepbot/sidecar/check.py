@@ -20,7 +20,7 @@ _WITH_OWN_LINKS = ("root", "materials", "defaults")
 _OF_FILE = ("variant", "set", "rename")
 
 
-def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_orientation(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB128: forward is along up."""
     root = sidecar.document.root
     if root is None or root.axes is None:
@@ -31,28 +31,28 @@ def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
         directions = " or ".join(f"`{sign}{axis}`" for axis in others for sign in ("", "-"))
         keys = ("root", "forward")
         message = f"root: `forward: {forward}` is not perpendicular to `up: {up}`"
-        found.add("SB128", message, sidecar.span(*keys), help=[f"write {directions}"])
+        diagnostics.add("SB128", message, sidecar.span(*keys), help=[f"write {directions}"])
 
 
-def _check_modules(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_modules(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB121, SB137, SB150 and SB152 of a composing sidecar; the files of modules are not read."""
     document = sidecar.document
     if not document.modules:
         return
-    _check_own_step(sidecar, found)
+    _check_own_step(sidecar, diagnostics)
     moved = {joint.child.partition("/")[0] for joint in document.joints.values()}
     for name, module in document.modules.items():
-        _check_source(sidecar, name, module, found)
-        _check_effects(sidecar, name, module, name in moved or module.mirror_of in moved, found)
+        _check_source(sidecar, name, module, diagnostics)
+        _check_effects(sidecar, name, module, name in moved or module.mirror_of in moved, diagnostics)
 
 
-def _check_own_step(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_own_step(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report own links whose parts are in no file, and settings of a STEP that is not there."""
     document = sidecar.document
     if document.step:
         if not document.links:
             help = ["links: {base: {rest: true}}", "or remove `step`; of a STEP that is a module, write `file`"]
-            found.add(
+            diagnostics.add(
                 "SB121", "sidecar: missing key 'links': no link has parts of `step`", sidecar.span("step"), help=help
             )
         return
@@ -61,42 +61,44 @@ def _check_own_step(sidecar: Sidecar, found: Diagnostics) -> None:
             key = "parts" if link.parts else "rest"
             message = f"link '{name}': '{key}' without 'step': missing key 'step'"
             help = ["step: ARM.step", "of a link without parts, give `inertial` alone"]
-            found.add("SB121", message, sidecar.key_span("links", name, key), help=help)
+            diagnostics.add("SB121", message, sidecar.key_span("links", name, key), help=help)
     of_modules = is_for_mjx(document.defaults.collision) and document.defaults.model_fields_set == {"collision"}
     for key in (*_OF_OWN_STEP, *(() if document.links else _WITH_OWN_LINKS)):
         if key in document.model_fields_set and not (key == "defaults" and of_modules):
             message = f"sidecar: '{key}' without 'step': it does not apply to modules"
             help = [f"remove `{key}`; `set` changes it in the file of a module"]
-            found.add("SB137", message, sidecar.key_span(key), help=help)
+            diagnostics.add("SB137", message, sidecar.key_span(key), help=help)
 
 
-def _check_source(sidecar: Sidecar, name: str, module: ModuleSection, found: Diagnostics) -> None:
+def _check_source(sidecar: Sidecar, name: str, module: ModuleSection, diagnostics: Diagnostics) -> None:
     """Report SB150, neither or both of `file` and `mirror_of`, and SB152, no module to mirror."""
     modules, of = sidecar.document.modules, module.mirror_of
     span = sidecar.span("modules", name, "mirror_of")
     if of is None:
         if module.file is None:
             message = f"module '{name}': neither `file` nor `mirror_of` is set"
-            found.add("SB150", message, sidecar.key_span("modules", name))
+            diagnostics.add("SB150", message, sidecar.key_span("modules", name))
     elif module.file is not None:
         help = ["remove `file`: it is the file of the other module", "`mirror: y` mirrors a file"]
-        found.add("SB150", f"module '{name}': both `file` and `mirror_of` are set", span, help=help)
+        diagnostics.add("SB150", f"module '{name}': both `file` and `mirror_of` are set", span, help=help)
     elif of == name:
         message = f"module '{name}': mirror_of: it is the module itself"
-        found.add("SB152", message, span, help=["name the module that it is the mirror image of"])
+        diagnostics.add("SB152", message, span, help=["name the module that it is the mirror image of"])
     elif of not in modules:
-        found.add("SB152", f"module '{name}': mirror_of: no module '{of}'", span, help=did_you_mean(of, modules))
+        diagnostics.add("SB152", f"module '{name}': mirror_of: no module '{of}'", span, help=did_you_mean(of, modules))
     elif modules[of].mirror_of is not None:
         help = [f"mirror_of: {modules[of].mirror_of}"]
-        found.add("SB152", f"module '{name}': mirror_of: '{of}' is itself a mirror image", span, help=help)
+        diagnostics.add("SB152", f"module '{name}': mirror_of: '{of}' is itself a mirror image", span, help=help)
 
 
-def _check_effects(sidecar: Sidecar, name: str, module: ModuleSection, has_joint: bool, found: Diagnostics) -> None:
+def _check_effects(
+    sidecar: Sidecar, name: str, module: ModuleSection, has_joint: bool, diagnostics: Diagnostics
+) -> None:
     """Report SB137: keys that need another one."""
 
     def report(key: str, needs: str, help: str) -> None:
         message = f"module '{name}': '{key}' without '{needs}'"
-        found.add("SB137", message, sidecar.key_span("modules", name, key), help=[help])
+        diagnostics.add("SB137", message, sidecar.key_span("modules", name, key), help=[help])
 
     if module.at is None and (module.mirror_of is None or has_joint):
         for key in ("by", "offset"):
@@ -129,7 +131,7 @@ _CHECKS = (
 )
 
 
-def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_sidecar(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report what contradicts itself, or refers to something that does not exist."""
     local, complete = BoundedDiagnostics(), True
     try:
@@ -142,4 +144,4 @@ def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
         check_ignored(sidecar.root, local)
     except TooManyFaultsError:
         complete = False
-    local.hand_over(found, sidecar.path.as_posix(), complete=complete)
+    local.hand_over(diagnostics, sidecar.path.as_posix(), complete=complete)

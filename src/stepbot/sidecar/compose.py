@@ -52,7 +52,7 @@ class TooMuchError(Exception):
     """Composing ended at the size or depth limit; the error has been reported."""
 
 
-def compose(text: str, file: str, found: Diagnostics) -> Tree | None:
+def compose(text: str, file: str, diagnostics: Diagnostics) -> Tree | None:
     """The root value of the text, or None if it is empty.
 
     Reports SB104 unknown aliases, SB107 duplicate keys, SB110 bounds, SB102 several documents, SB110 tags, directives
@@ -62,14 +62,14 @@ def compose(text: str, file: str, found: Diagnostics) -> Tree | None:
         MarkedYAMLError: The text is not YAML; errors reported before remain valid.
         TooMuchError: A limit was exceeded.
     """
-    return _Composer(text, file, found).document()
+    return _Composer(text, file, diagnostics).document()
 
 
 class _Composer:
-    def __init__(self, text: str, file: str, found: Diagnostics) -> None:
+    def __init__(self, text: str, file: str, diagnostics: Diagnostics) -> None:
         self._events = _events(text)
         self._lines = text.split("\n")
-        self._file, self._found = file, found
+        self._file, self._diagnostics = file, diagnostics
         self._anchors: dict[str, Tree | None] = {}
         """The value of each anchor; None while it is being composed."""
         self._keys: list[str | int] = []
@@ -90,11 +90,13 @@ class _Composer:
     def _check_start(self, event: Any, root: Tree | None) -> None:
         if root is not None:
             help = ["remove the `---` or move the second document to its own file: each file describes one robot"]
-            self._found.add("SB102", "sidecar: second YAML document in one file", self._span(event), help=help)
+            self._diagnostics.add("SB102", "sidecar: second YAML document in one file", self._span(event), help=help)
         elif event.version not in (None, (1, 2), [1, 2]):
             version = ".".join(map(str, event.version))
             help = ["remove the directive: sidecars use YAML 1.2"]
-            self._found.add("SB110", f"sidecar: unsupported directive %YAML {version}", self._span(event), help=help)
+            self._diagnostics.add(
+                "SB110", f"sidecar: unsupported directive %YAML {version}", self._span(event), help=help
+            )
 
     def _value(self, event: Any) -> Tree:
         """The value that starts with ``event``."""
@@ -240,11 +242,11 @@ class _Composer:
 
     def _too_much(self, event: Any, message: str) -> Never:
         help = ["use anchors for repeated settings, not for structures that contain each other"]
-        self._found.add("SB110", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), help=help)
+        self._diagnostics.add("SB110", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), help=help)
         raise TooMuchError
 
     def _fault(self, code: str, message: str, span: Span, help: Sequence[str], notes: Sequence[str] = ()) -> None:
-        self._found.add(code, f"{subject(tuple(self._keys))}: {message}", span, help=help, notes=notes)
+        self._diagnostics.add(code, f"{subject(tuple(self._keys))}: {message}", span, help=help, notes=notes)
 
     def _span(self, first: Any, last: Any = None) -> Span:
         start, end = first.start_mark, (last or first).end_mark

@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from .located import Sidecar
 
 
-def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_connections(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB450: self-connections, two parents, cycles, disconnected links, an invalid root.
 
     A joint with a wrong child leaves one link without a parent, so that this many disconnected links are notes of
@@ -18,17 +18,17 @@ def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
     joints = sidecar.document.joints
     cycles = [ring[::-1] for ring in rings({link: joints[joint].parent for link, joint in above.items()})]
     for cycle in cycles:
-        _report_cycle(sidecar, cycle, above, found)
-    _check_root(sidecar, above, {link for cycle in cycles for link in cycle}, found)
+        _report_cycle(sidecar, cycle, above, diagnostics)
+    _check_root(sidecar, above, {link for cycle in cycles for link in cycle}, diagnostics)
     root, loose = _disconnected(sidecar, above)
     consequences = [f"not connected to the root '{root}': link '{link}'" for link in loose]
     explained = len(loose) <= len(misplaced)
     for one in misplaced:
         notes = (*one.notes, *consequences) if explained else one.notes
-        found.add(one.code, one.message, one.span, help=one.help, notes=notes)
+        diagnostics.add(one.code, one.message, one.span, help=one.help, notes=notes)
     for link in () if explained else loose:
         message = f"link '{link}': not connected to the root '{root}'"
-        found.add(
+        diagnostics.add(
             "SB450:disconnected", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root)
         )
 
@@ -36,21 +36,21 @@ def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
 def _joint_above_each_link(sidecar: Sidecar) -> tuple[dict[str, str], list[Diagnostic]]:
     """The parent joint of each link, the first one in the file; SB450 of the other joints."""
     above: dict[str, str] = {}
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     for name, joint in sidecar.document.joints.items():
         if joint.parent == joint.child:
             message = f"joint '{name}': parent and child are both '{joint.child}'"
             help = ["change parent or child to another link"]
-            found.add("SB450", message, sidecar.span("joints", name, "child"), help=help)
+            diagnostics.add("SB450", message, sidecar.span("joints", name, "child"), help=help)
         elif joint.child in above:
             other = above[joint.child]
             help = ["to close a loop, move the joint to `closures`, with `link_a` and `link_b`"]
             notes = [f"joint '{other}' at {sidecar.span('joints', other, 'child')}"]
             message = f"joint '{name}': link '{joint.child}' is already the child of joint '{other}'"
-            found.add("SB450", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
+            diagnostics.add("SB450", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
         else:
             above[joint.child] = name
-    return above, list(found)
+    return above, list(diagnostics)
 
 
 def rings(successor: Mapping[str, str]) -> list[list[str]]:
@@ -69,24 +69,26 @@ def rings(successor: Mapping[str, str]) -> list[list[str]]:
     return found
 
 
-def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], found: Diagnostics) -> None:
+def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], diagnostics: Diagnostics) -> None:
     order = list(sidecar.document.joints)
     last = max((above[link] for link in cycle), key=order.index)  # the last one in the file most likely closes it
     child = sidecar.document.joints[last].child
     at = cycle.index(child)
     ring = " -> ".join([*cycle[at:], *cycle[:at], child])
     help = ["swap parent and child of a joint, or move the joint that closes a loop to `closures`"]
-    found.add("SB450", f"joint '{last}': cycle in the joint tree: {ring}", sidecar.key_span("joints", last), help=help)
+    diagnostics.add(
+        "SB450", f"joint '{last}': cycle in the joint tree: {ring}", sidecar.key_span("joints", last), help=help
+    )
 
 
-def _check_root(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
+def _check_root(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], diagnostics: Diagnostics) -> None:
     document = sidecar.document
     root = document.root.link if document.root is not None else None
     if root is not None and root in above and root not in in_cycles:
         joint = above[root]
         message = f"root: link '{root}' is the child of joint '{joint}'"
         help = [f"the root of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
-        found.add("SB450", message, sidecar.span("root", "link"), help=help)
+        diagnostics.add("SB450", message, sidecar.span("root", "link"), help=help)
 
 
 def _disconnected(sidecar: Sidecar, above: dict[str, str]) -> tuple[str, list[str]]:

@@ -100,21 +100,21 @@ def value_of(text: str) -> Any:
     Raises:
         CannotEdit: It is not YAML, or YAML that a sidecar may not have.
     """
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     try:
-        tree = compose(f"value: {text}", "value", found)
+        tree = compose(f"value: {text}", "value", diagnostics)
     except (YAMLError, TooMuchError) as error:
         raise CannotEdit(f"'{text}' is not a value of YAML; put a text in double quotes") from error
-    if found.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
-        raise CannotEdit(next((one.message for one in found), f"'{text}' is not a value"))
+    if diagnostics.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
+        raise CannotEdit(next((one.message for one in diagnostics), f"'{text}' is not a value"))
     return plain_data(tree, shared=False)["value"]
 
 
 def _values(text: str, path: Path) -> Any:
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, path, found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, path, diagnostics)
     if sidecar is None:
-        errors = ("; ".join((one.message, *one.help[:1])) for one in found if one.severity == "error")
+        errors = ("; ".join((one.message, *one.help[:1])) for one in diagnostics if one.severity == "error")
         first = next(errors, "it cannot be read")
         raise CannotEdit(f"the result would not be a sidecar: {first}")
     return plain_data(sidecar.root, shared=False)

@@ -43,10 +43,10 @@ _LIMITS = ("effort", "velocity")
 _DYNAMICS = ("damping", "friction", "armature")
 
 
-def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
+def with_motors(sidecar: Sidecar, diagnostics: Diagnostics) -> Sidecar:
     """The sidecar with the figures of its motors; a motor's are the last defaults of its joint."""
     document = sidecar.document
-    own = _own_motors(sidecar, found)
+    own = _own_motors(sidecar, diagnostics)
     sidecar = replace(sidecar, own_motors={**sidecar.own_motors, **(own or {})})
     motors: dict[str, Motor] = {}
     actuators, defaults = dict(document.actuators), dict(document.joint_defaults)
@@ -63,17 +63,17 @@ def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
             if section is not None and (section.file or "").lower().endswith(_DESCRIPTIONS):  # it has no motors
                 values = f"{{actuators: {{{name}: {{joint: {own_name}, motor: {actuator.motor}}}}}}}"
                 help = [f"`set: {values}` of module '{module}'"]
-            found.add("SB148", message, sidecar.span("actuators", name, "motor"), help=help)
+            diagnostics.add("SB148", message, sidecar.span("actuators", name, "motor"), help=help)
             continue
-        one = _found(sidecar, name, actuator, is_known=own is not None, found=found)
-        motor = _fitted(sidecar, name, actuator, one, kind, found) if one is not None else None
+        one = _found(sidecar, name, actuator, is_known=own is not None, diagnostics=diagnostics)
+        motor = _fitted(sidecar, name, actuator, one, kind, diagnostics) if one is not None else None
         if one is None or motor is None:
             continue
         motors[name] = motor
         actuators[name] = _driven(actuator, motor, one, kind)
         if joint is not None:
             defaults.setdefault(_only(actuator.joint), _defaults(actuator, motor))
-    _report_doubts(sidecar, motors, found)
+    _report_doubts(sidecar, motors, diagnostics)
     if not motors:
         return sidecar
     update = {"actuators": actuators, "joint_defaults": defaults}
@@ -85,11 +85,11 @@ def _only(joint: str) -> str:
     return f"[{joint[0]}]{glob.escape(joint[1:])}" if joint[0] not in "[]!" else glob.escape(joint)
 
 
-def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSection] | None:
+def _own_motors(sidecar: Sidecar, diagnostics: Diagnostics) -> Mapping[str, MotorSection] | None:
     """The user's own motors, each figure with a source; None if their file cannot be read, which is reported."""
     given = sidecar.document.motors
     if not isinstance(given, str):
-        _check_sources(sidecar.root, given, found)
+        _check_sources(sidecar.root, given, diagnostics)
         return given
     path = sidecar.path.parent / given
     if not is_file(path):
@@ -98,33 +98,33 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
         if sidecar.is_changed:
             where += "; those at the top of the composing file are known to its modules, too"
         help = (*did_you_mean(path.name, sorted(beside)), where)
-        found.add("SB001", f"motors: file '{given}' not found", sidecar.span("motors"), help=help)
+        diagnostics.add("SB001", f"motors: file '{given}' not found", sidecar.span("motors"), help=help)
         return None
-    return read_own_motors(path, found)
+    return read_own_motors(path, diagnostics)
 
 
-def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection] | None:
+def read_own_motors(path: Path, diagnostics: Diagnostics) -> dict[str, MotorSection] | None:
     """The motors of a user's own file, each figure with a source; None if it cannot be read, which is reported."""
-    text = read_text(path, found, "write `motors: {NAME: {kind: servo, ...}}`")
-    if text is None or not is_text(text, path.as_posix(), found):
+    text = read_text(path, diagnostics, "write `motors: {NAME: {kind: servo, ...}}`")
+    if text is None or not is_text(text, path.as_posix(), diagnostics):
         return None
-    composed = compose_around_faults(text, path.as_posix(), found)
+    composed = compose_around_faults(text, path.as_posix(), diagnostics)
     root = composed.tree
     if not isinstance(root, TreeMapping) or tuple(root.entries) != ("motors",):
         if root is not None and composed.whole:
             message = "motors: a file of motors has the single key `motors`"
-            found.add("SB120", message, root.span, help=["write `motors: {NAME: {kind: servo, ...}}`"])
+            diagnostics.add("SB120", message, root.span, help=["write `motors: {NAME: {kind: servo, ...}}`"])
         return None
     try:
         own = OwnMotors.model_validate(plain_data(root)).motors
     except ValidationError as failure:
-        report_schema_faults(failure, root, composed.whole, found)
+        report_schema_faults(failure, root, composed.whole, diagnostics)
         return None
-    _check_sources(root, own, found)
+    _check_sources(root, own, diagnostics)
     return own
 
 
-def _check_sources(root: Tree, own: Mapping[str, MotorSection], found: Diagnostics) -> None:
+def _check_sources(root: Tree, own: Mapping[str, MotorSection], diagnostics: Diagnostics) -> None:
     """Report figures without a source (SB121)."""
     for name, motor in own.items():
         without = [key for key, figure in motor.figures().items() if not figure.source]
@@ -132,11 +132,11 @@ def _check_sources(root: Tree, own: Mapping[str, MotorSection], found: Diagnosti
         if without and motor.source is None:
             message = f"motor '{name}': no source for {', '.join(without)}"
             help = ["write `source: ...` for the motor, or `{value: ..., source: ...}` for a figure"]
-            found.add("SB121", message, key_span(root, ("motors", name, without[0].partition("[")[0])), help=help)
+            diagnostics.add("SB121", message, key_span(root, ("motors", name, without[0].partition("[")[0])), help=help)
 
 
 def _found(
-    sidecar: Sidecar, name: str, actuator: ActuatorSection, *, is_known: bool, found: Diagnostics
+    sidecar: Sidecar, name: str, actuator: ActuatorSection, *, is_known: bool, diagnostics: Diagnostics
 ) -> Found | None:
     """The motor of an actuator; None if there is none, which is reported, if the user's own are known."""
     assert actuator.motor is not None
@@ -145,18 +145,18 @@ def _found(
         return find_motor(actuator.motor, sidecar.own_motors)
     except AmbiguousMotor as several:
         message = f"actuator '{name}': {several}; which one is it?"
-        found.add("SB147", message, place, help=[f"members: {', '.join(several.members)}"])
+        diagnostics.add("SB147", message, place, help=[f"members: {', '.join(several.members)}"])
     except UnknownMotor as unknown:
         if not is_known:
             return None
         near = f"did you mean {' or '.join(unknown.nearest)}?" if unknown.nearest else "`stepbot motors` lists all"
         help = [near, "describe another one under `motors`, with the source of each figure"]
-        found.add("SB147", f"actuator '{name}': {unknown}", place, help=help)
+        diagnostics.add("SB147", f"actuator '{name}': {unknown}", place, help=help)
     return None
 
 
 def _fitted(
-    sidecar: Sidecar, name: str, actuator: ActuatorSection, one: Found, kind: JointKind, found: Diagnostics
+    sidecar: Sidecar, name: str, actuator: ActuatorSection, one: Found, kind: JointKind, diagnostics: Diagnostics
 ) -> Motor | None:
     message, help, key = "", "", "motor"
     if kind is JointKind.PRISMATIC and "gear" not in actuator.model_fields_set and one.motor.max_force is None:
@@ -172,7 +172,7 @@ def _fitted(
                 key, help = "voltage", f"{help}; of its family: {others}" if others else help
     if message:
         place = sidecar.span("actuators", name, key)
-        found.add("SB148", f"actuator '{name}': {message}", place, help=[help])
+        diagnostics.add("SB148", f"actuator '{name}': {message}", place, help=[help])
     return None
 
 
@@ -204,7 +204,7 @@ def _defaults(actuator: ActuatorSection, motor: Motor) -> JointDefaults:
     return JointDefaults.model_construct(None, limits=limits, dynamics=dynamics)
 
 
-def _report_doubts(sidecar: Sidecar, motors: Mapping[str, Motor], found: Diagnostics) -> None:
+def _report_doubts(sidecar: Sidecar, motors: Mapping[str, Motor], diagnostics: Diagnostics) -> None:
     """Report, once for each motor, doubts about its figures, and those that no source gives (SB149)."""
     reported: set[str] = set()
     for name, motor in motors.items():
@@ -218,4 +218,6 @@ def _report_doubts(sidecar: Sidecar, motors: Mapping[str, Motor], found: Diagnos
             f"actuator '{name}'{f' and {len(users) - 1} more' if len(users) > 1 else ''}: {what} of '{motor.name}'"
         )
         help = [f"sources: `stepbot motors {motor.name}`; `limits` and `dynamics` of the joint override its figures"]
-        found.add("SB149", message, sidecar.span("actuators", name, "motor"), help=help, notes=(*motor.doubts, *notes))
+        diagnostics.add(
+            "SB149", message, sidecar.span("actuators", name, "motor"), help=help, notes=(*motor.doubts, *notes)
+        )

@@ -39,16 +39,16 @@ def can_ignore(keys: Keys) -> bool:
     return len(keys) > 1 and keys[0] in _SECTIONS
 
 
-def check_ignored(root: Tree, found: Diagnostics) -> None:
+def check_ignored(root: Tree, diagnostics: Diagnostics) -> None:
     """Report unknown codes and codes of errors (SB141)."""
     for _, code, place in _entries(root):
         known = current(code)
         if not known:
             near = did_you_mean(code.upper(), CODES) or ("list all codes with `stepbot explain`",)
-            found.add("SB141", f"{KEY}: unknown code '{code}'", place, help=near)
+            diagnostics.add("SB141", f"{KEY}: unknown code '{code}'", place, help=near)
         elif all(CODES[one].severity == "error" for one in known):
             help = [f"correct the error; see `stepbot explain {code}`"]
-            found.add("SB141", f"{KEY}: {code} is an error and cannot be ignored", place, help=help)
+            diagnostics.add("SB141", f"{KEY}: {code} is an error and cannot be ignored", place, help=help)
 
 
 def ignores(root: Tree) -> Iterator[Ignore]:

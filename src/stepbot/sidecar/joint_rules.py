@@ -31,45 +31,45 @@ _TOLERANCE = 1e-9
 """Tolerance [rad or m] for an assembled position that was rounded to a limit."""
 
 
-def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_joints(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report, joint by joint, keys that its type lacks or forbids, and limits that contradict each other."""
     stops = cache(partial(drafted_stops, sidecar.text))  # only a placeholder needs the comments
     for name, joint in sidecar.document.joints.items():
         settings = joint_settings(sidecar.document, name)
-        _check_keys(sidecar, name, joint, settings, found)
+        _check_keys(sidecar, name, joint, settings, diagnostics)
         if "lower" in settings_of(joint.type):
-            _check_limits(sidecar, name, joint, settings, stops, found)
+            _check_limits(sidecar, name, joint, settings, stops, diagnostics)
         if joint.type is JointKind.UNIVERSAL and joint.axis2 is not None:
             dot = exact_sum(a * b for a, b in zip(joint.axis, joint.axis2, strict=True))
             if abs(dot) > 1.0 - 1e-6:
                 message, help = f"joint '{name}': axis and axis2 are parallel", "example: `axis: z` and `axis2: x`"
-                found.add("SB462", message, sidecar.span("joints", name, "axis2"), help=[help])
+                diagnostics.add("SB462", message, sidecar.span("joints", name, "axis2"), help=[help])
         if joint.pitch == 0.0:
-            found.add("SB125", f"joint '{name}': pitch: must not be 0", sidecar.span("joints", name, "pitch"))
+            diagnostics.add("SB125", f"joint '{name}': pitch: must not be 0", sidecar.span("joints", name, "pitch"))
 
 
 def _check_keys(
-    sidecar: Sidecar, name: str, joint: JointSection, settings: dict[str, Setting], found: Diagnostics
+    sidecar: Sidecar, name: str, joint: JointSection, settings: dict[str, Setting], diagnostics: Diagnostics
 ) -> None:
     for key, kinds in _KINDS_WITH.items():
         if key in joint.model_fields_set and joint.type not in kinds:
             help = [f"valid types: {', '.join(kinds)}"]
             message = f"joint '{name}': '{key}' is not valid for type {joint.type}"
-            found.add("SB137", message, sidecar.key_span("joints", name, key), help=help)
+            diagnostics.add("SB137", message, sidecar.key_span("joints", name, key), help=help)
     if joint.limits == "todo" and "lower" not in settings_of(joint.type):
         message = f"joint '{name}': position limits are not valid for type {joint.type}"
-        found.add("SB137", message, sidecar.span("joints", name, "limits"), help=["remove `limits: todo`"])
+        diagnostics.add("SB137", message, sidecar.span("joints", name, "limits"), help=["remove `limits: todo`"])
     for field, setting in settings.items():
         if field not in settings_of(joint.type):
             keys = ".".join(map(str, setting.keys[2:]))
             message = f"joint '{name}': '{keys}' is not valid for type {joint.type}"
             help = ["use `type: revolute` for a joint with limits"] if joint.type is JointKind.CONTINUOUS else []
-            found.add("SB137", message, sidecar.key_span(*setting.keys), help=help)
+            diagnostics.add("SB137", message, sidecar.key_span(*setting.keys), help=help)
     required = joint.type.needs
     if required and getattr(joint, required) is None:
         example = {"pitch": "pitch: 2 mm/rev", "axis2": "axis2: x"}[required]
         message = f"joint '{name}': missing key '{required}', required for type {joint.type}"
-        found.add("SB121", message, sidecar.key_span("joints", name), help=[f"example: `{example}`"])
+        diagnostics.add("SB121", message, sidecar.key_span("joints", name), help=[f"example: `{example}`"])
 
 
 def _check_limits(
@@ -78,7 +78,7 @@ def _check_limits(
     joint: JointSection,
     settings: dict[str, Setting],
     stops: Callable[[], Mapping[str, tuple[DraftedStop, ...]]],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> None:
     lower, upper = settings.get("lower"), settings.get("upper")
     who = f"joint '{name}'"
@@ -86,26 +86,26 @@ def _check_limits(
     if joint.limits == "todo" and missing:
         message = f"{who}: placeholder `limits: todo`: no {' or '.join(missing)} limit"
         help = _remedies(joint.type, stops().get(name, ()))
-        found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
+        diagnostics.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
     elif joint.type.bounded and missing:
         help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
         if joint.type is JointKind.REVOLUTE:
             help.append("use `type: continuous` for unlimited rotation")
         message = f"{who}: missing limits of a {joint.type} joint: {', '.join(missing)}"
-        found.add("SB455", message, sidecar.key_span("joints", name, "limits"), help=help)
+        diagnostics.add("SB455", message, sidecar.key_span("joints", name, "limits"), help=help)
     position = position_dimension(joint.type)
     if lower is None or upper is None or not {lower.dimension, upper.dimension} <= {None, position}:
         return
     if joint.type is JointKind.REVOLUTE and (lower.value, upper.value) == (-inf, inf):
         help = ["use `type: continuous`, without lower and upper"]
-        found.add("SB455", f"{who}: revolute joint with infinite limits", sidecar.span(*lower.keys), help=help)
+        diagnostics.add("SB455", f"{who}: revolute joint with infinite limits", sidecar.span(*lower.keys), help=help)
     elif lower.value >= upper.value:
-        _report_swapped(sidecar, who, lower, upper, found)
+        _report_swapped(sidecar, who, lower, upper, diagnostics)
     else:
-        _check_assembled_position(sidecar, name, joint, lower, upper, found)
+        _check_assembled_position(sidecar, name, joint, lower, upper, diagnostics)
 
 
-def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, found: Diagnostics) -> None:
+def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, diagnostics: Diagnostics) -> None:
     low, high = sidecar.written(*lower.keys), sidecar.written(*upper.keys)
     if lower.value == upper.value:
         message = f"{who}: lower and upper limits are both {low}"
@@ -114,11 +114,11 @@ def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, 
         message = f"{who}: lower limit {low} is above upper limit {high}"
         help = f"swap the limits: {{lower: {high}, upper: {low}}}"
     note = f"upper limit at {sidecar.span(*upper.keys)}"
-    found.add("SB456", message, sidecar.span(*lower.keys), help=[help], notes=[note])
+    diagnostics.add("SB456", message, sidecar.span(*lower.keys), help=[help], notes=[note])
 
 
 def _check_assembled_position(
-    sidecar: Sidecar, name: str, joint: JointSection, lower: Setting, upper: Setting, found: Diagnostics
+    sidecar: Sidecar, name: str, joint: JointSection, lower: Setting, upper: Setting, diagnostics: Diagnostics
 ) -> None:
     q = joint.zero.value
     position = position_dimension(joint.type)
@@ -134,7 +134,7 @@ def _check_assembled_position(
     message = f"joint '{name}': assembled position {assembled} is {side} the {bound} limit {reached}"
     help = ["set `zero` to the position of the joint as modelled in CAD (default 0); limits are measured from q = 0"]
     keys = zero if given else limit.keys
-    found.add("SB457", message, sidecar.span(*keys), help=[] if given else help)
+    diagnostics.add("SB457", message, sidecar.span(*keys), help=[] if given else help)
 
 
 def _with_unit(sidecar: Sidecar, keys: Keys, given: JointValue | Setting, position: Dimension) -> str:
@@ -180,7 +180,7 @@ _ALONG = 1e-6
 """Tolerance [rad or m] of mimic positions, for rounded numbers."""
 
 
-def check_mimics(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_mimics(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB458 circular mimics, SB459 joints that cannot be mimicked, SB460 conflicting positions."""
     document = sidecar.document
     leaders = {name: joint.mimic.joint for name, joint in document.joints.items() if joint.mimic is not None}
@@ -194,12 +194,12 @@ def check_mimics(sidecar: Sidecar, found: Diagnostics) -> None:
         if name in closed:
             around = "itself" if joint.mimic.joint == name else f"'{joint.mimic.joint}', which mimics it in turn"
             help = ["remove `mimic` from one joint of the group"]
-            found.add("SB458", f"joint '{name}': circular mimic: mimics {around}", place, help=help)
+            diagnostics.add("SB458", f"joint '{name}': circular mimic: mimics {around}", place, help=help)
         elif leader.type not in ONE_FREEDOM:
             message = f"joint '{name}': joint '{joint.mimic.joint}' of type {leader.type} cannot be mimicked"
-            found.add("SB459", message, place, help=[f"types that can be mimicked: {', '.join(ONE_FREEDOM)}"])
+            diagnostics.add("SB459", message, place, help=[f"types that can be mimicked: {', '.join(ONE_FREEDOM)}"])
         elif joint.type in ONE_FREEDOM:
-            _check_positions(sidecar, name, ranges[joint.mimic.joint], found)
+            _check_positions(sidecar, name, ranges[joint.mimic.joint], diagnostics)
 
 
 def _ranges(document: Document, leaders: Mapping[str, str]) -> dict[str, tuple[float, float]]:
@@ -219,7 +219,7 @@ def _ranges(document: Document, leaders: Mapping[str, str]) -> dict[str, tuple[f
     return found
 
 
-def _check_positions(sidecar: Sidecar, name: str, leading: tuple[float, float], found: Diagnostics) -> None:
+def _check_positions(sidecar: Sidecar, name: str, leading: tuple[float, float], diagnostics: Diagnostics) -> None:
     """Compare the mimic position of a joint with its limits and its assembled position."""
     document = sidecar.document
     joint = document.joints[name]
@@ -239,7 +239,7 @@ def _check_positions(sidecar: Sidecar, name: str, leading: tuple[float, float], 
                 f"beyond its limits {positions((own.lower, own.upper), position)}"
             )
             help = [f"narrow the limits of joint '{mimic.joint}', widen these, or correct `multiplier` and `offset`"]
-            found.add("SB460", message, place, help=help)
+            diagnostics.add("SB460", message, place, help=help)
     assembled = joint.zero.value
     follows = mimic.multiplier * document.joints[mimic.joint].zero.value + mimic.offset.value
     if abs(assembled - follows) > _ALONG:
@@ -249,10 +249,10 @@ def _check_positions(sidecar: Sidecar, name: str, leading: tuple[float, float], 
         )
         offset = positions([mimic.offset.value + assembled - follows], position)
         help = [f"set `zero` of both joints to their positions as modelled in CAD, or `offset: {offset}` in `mimic`"]
-        found.add("SB460", message, place, help=help)
+        diagnostics.add("SB460", message, place, help=help)
 
 
-def check_turned_frames(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_turned_frames(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB523 values in the frame of a link that is not as drawn, since its joint has a ``zero``."""
     for name, joint in sidecar.document.joints.items():
         link, position = sidecar.document.links.get(joint.child), position_dimension(joint.type)
@@ -266,21 +266,21 @@ def check_turned_frames(sidecar: Sidecar, found: Diagnostics) -> None:
             turned = f"which `zero` of joint '{name}' moves by {by} in the drawn pose"
             message = f"link '{joint.child}': `{key}` is in the link's frame, {turned}"
             help = ["check that its values are those at q = 0 of the joint, not those in the drawn pose"]
-            found.add("SB523", message, sidecar.span("links", joint.child, key), help=help)
+            diagnostics.add("SB523", message, sidecar.span("links", joint.child, key), help=help)
 
 
-def check_closures(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_closures(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB450 closures of a link with itself, and SB137 invalid types and keys."""
     for name, closure in sidecar.document.closures.items():
         who = f"closure '{name}'"
         if closure.link_a == closure.link_b:
             message = f"{who}: link_a and link_b are both '{closure.link_a}'"
             help = ["change one of them to another link"]
-            found.add("SB450", message, sidecar.span("closures", name, "link_b"), help=help)
+            diagnostics.add("SB450", message, sidecar.span("closures", name, "link_b"), help=help)
         if not closure.type.closes:
             message = f"{who}: type {closure.type} is not valid for a closure"
             help = [f"valid types: {', '.join(kinds_with(closes=True))}"]
-            found.add("SB137", message, sidecar.span("closures", name, "type"), help=help)
+            diagnostics.add("SB137", message, sidecar.span("closures", name, "type"), help=help)
         elif "axis" in closure.model_fields_set and closure.type not in WITH_AXIS:
             message = f"{who}: 'axis' is not valid for type {closure.type}"
-            found.add("SB137", message, sidecar.key_span("closures", name, "axis"))
+            diagnostics.add("SB137", message, sidecar.key_span("closures", name, "axis"))

@@ -27,7 +27,7 @@ from .tree import Keys, Mapping, Scalar, Tree, child, key_span, plain_data, subj
 
 
 def load_sidecar(
-    path: Path, found: Diagnostics, variant: str = "", module: Tree | None = None, motors: OwnMotors = NO_MOTORS
+    path: Path, diagnostics: Diagnostics, variant: str = "", module: Tree | None = None, motors: OwnMotors = NO_MOTORS
 ) -> Sidecar | None:
     """Read a sidecar; None if it has errors, which are all added to ``found``.
 
@@ -39,14 +39,14 @@ def load_sidecar(
         module: The module of another file that selects the variant and, under ``set``, changes values.
         motors: The motors of that file, which the module's own go before.
     """
-    text = read_text(path, found)
-    return parse_sidecar(text, path, found, variant, module, motors) if text is not None else None
+    text = read_text(path, diagnostics)
+    return parse_sidecar(text, path, diagnostics, variant, module, motors) if text is not None else None
 
 
 def parse_sidecar(
     text: str,
     path: Path,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     variant: str = "",
     module: Tree | None = None,
     motors: OwnMotors = NO_MOTORS,
@@ -57,80 +57,80 @@ def parse_sidecar(
         sidecar = _parsed(text, path, local, variant, module, motors)
     except TooManyFaultsError:
         complete = False
-    local.hand_over(found, path.as_posix(), complete=complete)
+    local.hand_over(diagnostics, path.as_posix(), complete=complete)
     return None if local.has_errors else sidecar
 
 
 def _parsed(
-    text: str, path: Path, found: Diagnostics, variant: str, module: Tree | None, motors: OwnMotors
+    text: str, path: Path, diagnostics: Diagnostics, variant: str, module: Tree | None, motors: OwnMotors
 ) -> Sidecar | None:
     file = path.as_posix()
-    if not is_text(text, file, found):
+    if not is_text(text, file, diagnostics):
         return None
     try:
         composed, faults_of_text = _composed(text, file)
     except TooManyFaultsError:
-        compose_around_faults(text, file, found)  # ends in the same way, with the faults in `found`
+        compose_around_faults(text, file, diagnostics)  # ends in the same way, with the faults in `found`
         raise
-    found.extend(faults_of_text)
+    diagnostics.extend(faults_of_text)
     root = composed.tree
     if not isinstance(root, Mapping):
         if root is not None and composed.whole:
             help = ["start the sidecar with `version: 1`, without indentation"]
-            found.add("SB102", "sidecar: top level is not a mapping", root.span, help=help)
-        elif composed.whole and not found.has_errors:
+            diagnostics.add("SB102", "sidecar: top level is not a mapping", root.span, help=help)
+        elif composed.whole and not diagnostics.has_errors:
             help = ["start with `version: 1`; see `stepbot docs sidecar`"]
-            found.add("SB102", "sidecar: empty file (comments only)", Span(file), help=help)
+            diagnostics.add("SB102", "sidecar: empty file (comments only)", Span(file), help=help)
         return None
     changes = None if module is None else child(module, "set")
     if variant or changes is not None:
-        changed = _changed(root, variant, module, found)
+        changed = _changed(root, variant, module, diagnostics)
         if changed is None:
             return None
         root = changed
     data: dict[str, Any] = plain_data(root)
-    if not _has_known_version(root, data, found):
+    if not _has_known_version(root, data, diagnostics):
         return None
     faults: list[Keys] = []
     try:
         document = document_class(data).model_validate(data)
     except ValidationError as failure:
-        faults = report_schema_faults(failure, root, composed.whole, found)
+        faults = report_schema_faults(failure, root, composed.whole, diagnostics)
     else:
         read = Sidecar(document, path, text, root, own_motors=motors, variant=variant, is_changed=changes is not None)
-        sidecar = with_motors(read, found)
-        if not found.has_errors:
+        sidecar = with_motors(read, diagnostics)
+        if not diagnostics.has_errors:
             return sidecar
     if composed.whole:
-        check_what_is_left(root, faults, path, text, found)
+        check_what_is_left(root, faults, path, text, diagnostics)
     return None
 
 
 @lru_cache(maxsize=4)
 def _composed(text: str, file: str) -> tuple[Composed, tuple[Diagnostic, ...]]:
     """The tree of a text with its faults; kept, as a page that edits asks for the text before and after many times."""
-    found = BoundedDiagnostics()
-    composed = compose_around_faults(text, file, found)
-    return composed, tuple(found)
+    diagnostics = BoundedDiagnostics()
+    composed = compose_around_faults(text, file, diagnostics)
+    return composed, tuple(diagnostics)
 
 
-def _changed(root: Mapping, variant: str, module: Tree | None, found: Diagnostics) -> Mapping | None:
+def _changed(root: Mapping, variant: str, module: Tree | None, diagnostics: Diagnostics) -> Mapping | None:
     """The sidecar as its variant and with the changes of another file; None after SB160."""
     from .variants import merged, unknown_elements, with_variant
 
     changes = None if module is None else child(module, "set")
-    varied = with_variant(root, variant, found, module) if variant else root
+    varied = with_variant(root, variant, diagnostics, module) if variant else root
     if varied is None or changes is None:
         return varied
     for (section, name), known in unknown_elements(varied, changes):
         message = f"set: no {section.removesuffix('s')} '{name}' in '{Path(root.span.file).name}'"
         help = did_you_mean(name, known) or ((f"known: {', '.join(known[:6])}",) if known else ())
-        found.add("SB160", message, key_span(changes, (section, name)), help=help)
+        diagnostics.add("SB160", message, key_span(changes, (section, name)), help=help)
     whole = merged(varied, changes)
-    return whole if isinstance(whole, Mapping) and not found.has_errors else None
+    return whole if isinstance(whole, Mapping) and not diagnostics.has_errors else None
 
 
-def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) -> bool:
+def _has_known_version(root: Mapping, data: dict[str, Any], diagnostics: Diagnostics) -> bool:
     """Whether the version is supported; keys may differ in other versions.
 
     A version that is not a number is reported and then replaced by the current one.
@@ -142,14 +142,14 @@ def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) 
     if isinstance(version, int) and not isinstance(version, bool):
         if version != VERSION:
             help = [f"supported: `version: {VERSION}`"]
-            found.add("SB127", f"sidecar: unsupported version {version}", entry.value.span, help=help)
+            diagnostics.add("SB127", f"sidecar: unsupported version {version}", entry.value.span, help=help)
         return bool(version == VERSION)
     written_as = (
         f"'{entry.value.text}'" if isinstance(entry.value, Scalar) and entry.value.plain else described(version)
     )
     message = f"sidecar: version must be the number {VERSION}, not {written_as}"
     help = [f"write `version: {VERSION}`, without quotes or decimals"]
-    found.add("SB127", message, entry.value.span, help=help)
+    diagnostics.add("SB127", message, entry.value.span, help=help)
     data["version"] = VERSION
     return True
 
@@ -182,7 +182,7 @@ _STANDS_ALONE = (
 """Codes that a removal elsewhere in the same joint, link or frame cannot cause."""
 
 
-def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, found: Diagnostics) -> None:
+def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, diagnostics: Diagnostics) -> None:
     """Check the parts of a document that are not affected by the schema errors at the places ``faults``."""
     data = plain_data(root, shared=False)
     cuts: list[Keys] = []
@@ -204,8 +204,8 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
         return
     left = Diagnostics()
     check_sidecar(Sidecar(document, path, text, root), left)
-    reported = {d.span for d in found}
-    found.extend(d for d in left if d.span not in reported and not _follows_from(d, cuts))
+    reported = {d.span for d in diagnostics}
+    diagnostics.extend(d for d in left if d.span not in reported and not _follows_from(d, cuts))
 
 
 def _follows_from(diagnostic: Diagnostic, cuts: list[Keys]) -> bool:

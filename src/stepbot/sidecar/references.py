@@ -28,18 +28,18 @@ _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 _ON_LINKS = tuple(kind for kind in SensorKind if kind is not SensorKind.JOINT)
 
 
-def check_references(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_references(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report names that refer to nothing."""
     document = sidecar.document
-    _check_links(sidecar, found)
-    _check_pairs(sidecar, found)
-    _check_joints(sidecar, found)
+    _check_links(sidecar, diagnostics)
+    _check_pairs(sidecar, diagnostics)
+    _check_joints(sidecar, diagnostics)
     for name, sensor in document.sensors.items():
-        _check_sensor(sidecar, name, sensor, found)
-    _check_materials(sidecar, found)
-    _check_patterns(sidecar, found)
-    _check_rest(sidecar, found)
-    _check_origins(sidecar, found)
+        _check_sensor(sidecar, name, sensor, diagnostics)
+    _check_materials(sidecar, diagnostics)
+    _check_patterns(sidecar, diagnostics)
+    _check_rest(sidecar, diagnostics)
+    _check_origins(sidecar, diagnostics)
 
 
 def link_references(document: Document) -> Iterator[tuple[Keys, str | None]]:
@@ -67,7 +67,7 @@ def joint_references(document: Document) -> Iterator[tuple[Keys, str | None]]:
     yield from ((("sensors", name, "joint"), one.joint) for name, one in document.sensors.items())
 
 
-def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_links(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     document = sidecar.document
     for keys, link in link_references(document):
         if link is None or link in document.links:
@@ -77,7 +77,7 @@ def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
             help = (*help, f"or define link '{link}', or remove {subject(keys[:2])}")
         if link == "world":
             help = ("the world is not a link; `base: fixed` fixes the root link to the world",)
-        found.add("SB130:link", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
+        diagnostics.add("SB130:link", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
 
 
 def _other_end(keys: Keys, document: Document) -> str | None:
@@ -92,7 +92,7 @@ def _other_end(keys: Keys, document: Document) -> str | None:
     return None
 
 
-def _check_pairs(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_pairs(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report pairs of a link with itself, and those that are listed twice."""
     first: dict[frozenset[str], int] = {}
     for index, pair in enumerate(sidecar.document.excluded_contacts):
@@ -103,10 +103,10 @@ def _check_pairs(sidecar: Sidecar, found: Diagnostics) -> None:
             what = f"the same links as excluded_contacts[{first[frozenset(pair)]}]"
         else:
             continue
-        found.add("SB146", f"{subject(keys)}: {what}", sidecar.span(*keys), help=["remove the pair"])
+        diagnostics.add("SB146", f"{subject(keys)}: {what}", sidecar.span(*keys), help=["remove the pair"])
 
 
-def _check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_joints(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     document = sidecar.document
     for keys, joint in joint_references(document):
         if joint is None or joint in document.joints:
@@ -116,10 +116,10 @@ def _check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
             help = ("it is a closure; only joints of the tree can be referenced",)
         elif not sidecar.written(*keys):
             help = ("without `joint`, an actuator drives the joint of its own name", *help)
-        found.add("SB130:joint", f"{_user(keys)}: unknown joint '{joint}'", sidecar.span(*keys), help=help)
+        diagnostics.add("SB130:joint", f"{_user(keys)}: unknown joint '{joint}'", sidecar.span(*keys), help=help)
 
 
-def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
+def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, diagnostics: Diagnostics) -> None:
     keys = ("sensors", name)
     help = f"set `joint`{', or `link`' * (sensor.type in _ON_LINKS)}" if sensor.type in _ON_JOINTS else "set `link`"
     if sensor.link is None and sensor.joint is None:
@@ -134,10 +134,10 @@ def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Dia
         message = f"a sensor of type {sensor.type} requires `joint`, not `link`"
     else:
         return
-    found.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[help])
+    diagnostics.add("SB136", f"{subject(keys)}: {message}", sidecar.key_span(*keys), help=[help])
 
 
-def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_materials(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     document = sidecar.document
     named: list[tuple[Keys, str | None]] = [(("defaults", "material"), document.defaults.material)]
     named += [(("parts", path, "material"), rule.material) for path, rule in document.parts.items()]
@@ -146,33 +146,35 @@ def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
             help = _candidates(material, document.materials, "materials")
             if not any(one.startswith("did you mean") for one in help):
                 help = (*help, f"define it: `materials: {{{quoted(material)}: {{density: ...}}}}`")
-            found.add("SB130:material", f"{_user(keys)}: unknown material '{material}'", sidecar.span(*keys), help=help)
+            diagnostics.add(
+                "SB130:material", f"{_user(keys)}: unknown material '{material}'", sidecar.span(*keys), help=help
+            )
 
 
-def _check_patterns(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_patterns(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     joints = sidecar.document.joints
     for pattern in sidecar.document.joint_defaults:
         if not any(fnmatchcase(name, pattern) for name in joints):
             keys = ("joint_defaults", pattern)
             help = _candidates(pattern, joints, "joints")
-            found.add("SB133", f"{subject(keys)}: does not match any joint", sidecar.key_span(*keys), help=help)
+            diagnostics.add("SB133", f"{subject(keys)}: does not match any joint", sidecar.key_span(*keys), help=help)
 
 
-def _check_rest(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_rest(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     taking = [name for name, link in sidecar.document.links.items() if link.rest]
     for name in taking[1:]:
         message = f"link '{name}': link '{taking[0]}' already has `rest: true`"
         notes = [f"first defined at {sidecar.key_span('links', taking[0], 'rest')}"]
         place = sidecar.key_span("links", name, "rest")
-        found.add("SB134", message, place, help=["keep `rest: true` on one link"], notes=notes)
+        diagnostics.add("SB134", message, place, help=["keep `rest: true` on one link"], notes=notes)
 
 
-def _check_origins(sidecar: Sidecar, found: Diagnostics) -> None:
+def _check_origins(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     for keys, origin in origins(sidecar.document):
         if keys[0] not in ("joints", "closures") and (origin == "auto" or isinstance(origin, AutoOrigin)):
             message = f"{subject(keys)}: `auto` requires two links"
             help = ['use {axis_of: "..."}, {center: "..."}, {component: "..."} or {xyz: [...]}']
-            found.add("SB128", message, sidecar.span(*keys), help=help)
+            diagnostics.add("SB128", message, sidecar.span(*keys), help=help)
 
 
 def _user(keys: Keys) -> str:
@@ -200,12 +202,12 @@ def not_portable(name: str) -> str:
     return f"{readers} take names of letters a to z, digits, `_`, `-` and `.` alone"
 
 
-def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_names(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB126 reserved names, SB129 names that not every reader takes, and SB135 duplicate names."""
 
     def report_unportable(name: str, kind: str, what: str, place: Span) -> None:
         if (portable := portable_name(name, kind)) != name:
-            found.add("SB129", f"{what}: {not_portable(name)}", place, help=[f"rename it to '{portable}'"])
+            diagnostics.add("SB129", f"{what}: {not_portable(name)}", place, help=[f"rename it to '{portable}'"])
 
     first: dict[str, Named] = {}
     for section, name in _names(sidecar.document, _SHARED):
@@ -213,17 +215,19 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
             place = sidecar.key_span(*first[name])
             message = f"{subject((section, name))}: duplicate name (also used by {subject(first[name])})"
             help = [f"rename one of them, for example to '{name}_{section.removesuffix('s')}'"]
-            found.add("SB135", message, sidecar.key_span(section, name), help=help, notes=[f"first defined at {place}"])
+            diagnostics.add(
+                "SB135", message, sidecar.key_span(section, name), help=help, notes=[f"first defined at {place}"]
+            )
         first.setdefault(name, (section, name))
     for name, module in sidecar.document.modules.items():
         for section in ("links", "frames"):
             if name in getattr(sidecar.document, section):
                 message = f"module '{name}': duplicate name (also used by {subject((section, name))})"
                 help = [f"rename one of them: `{name}` alone refers to the root link of the module"]
-                found.add("SB135", message, sidecar.key_span("modules", name), help=help)
+                diagnostics.add("SB135", message, sidecar.key_span("modules", name), help=help)
         for key, text in ((("modules", name), name), (("modules", name, "prefix"), module.prefix or "")):
             if reason := _reserved("modules", text):
-                found.add("SB126", f"{subject(key)}: {reason}", sidecar.key_span(*key))
+                diagnostics.add("SB126", f"{subject(key)}: {reason}", sidecar.key_span(*key))
             elif text:
                 report_unportable(text, "module", f"{subject(key)}: '{text}'", sidecar.key_span(*key))
         for section, names in module.rename.items():
@@ -232,12 +236,12 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
                 report_unportable(new, section.removesuffix("s"), f"{subject(keys)}: '{new}'", sidecar.span(*keys))
     robot = sidecar.document.robot
     if reason := _not_a_file(robot):
-        found.add("SB126", f"robot: {reason}", sidecar.span("robot"))
+        diagnostics.add("SB126", f"robot: {reason}", sidecar.span("robot"))
     else:
         report_unportable(robot, "robot", f"robot '{robot}'", sidecar.span("robot"))
     for section, name in _names(sidecar.document):
         if reason := _reserved(section, name):
-            found.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
+            diagnostics.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
         else:
             place = sidecar.key_span(section, name)
             report_unportable(name, section.removesuffix("s"), subject((section, name)), place)

@@ -46,7 +46,7 @@ class _Fault(Struct, frozen=True):
     """Whether the subject is the parent mapping, because the key itself is invalid."""
 
 
-def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, found: Diagnostics) -> list[Keys]:
+def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, diagnostics: Diagnostics) -> list[Keys]:
     """Report all validation errors; returns their positions.
 
     Args:
@@ -63,7 +63,7 @@ def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, foun
             continue
         told_of = keys[:-1] if fault.above else keys
         place = key_span(root, keys) if fault.of_key else span(root, keys)
-        found.add(fault.code, f"{subject(told_of)}: {fault.message}", place, help=[*filter(None, fault.help)])
+        diagnostics.add(fault.code, f"{subject(told_of)}: {fault.message}", place, help=[*filter(None, fault.help)])
     return places
 
 

@@ -34,13 +34,13 @@ class Composed(Struct, frozen=True):
     """Whether all of the text is in the tree; False if sections with syntax errors are missing."""
 
 
-def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
+def compose_around_faults(text: str, file: str, diagnostics: Diagnostics) -> Composed:
     """The tree of all valid sections; every syntax error is reported.
 
     Reports SB104 syntax, SB104 tabs, SB104 unquoted paths, and the errors of :func:`stepbot.sidecar.compose.compose`.
     """
     lines = text.split("\n")
-    _quote_starred_keys(lines, file, found)
+    _quote_starred_keys(lines, file, diagnostics)
     spoiled: set[int] = set()
     whole, budget = True, MOST_TEXT
     for _ in range(MOST_ATTEMPTS):
@@ -49,24 +49,26 @@ def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
         try:
             tree = compose("\n".join(lines), file, attempt)
         except (TooMuchError, TooManyFaultsError):
-            found.extend(attempt)
+            diagnostics.extend(attempt)
             return Composed(None, False)
         except MarkedYAMLError as failure:
             whole = False
-            if "'\\t'" in str(failure.problem) and (tabbed := _untabbed(lines, failure.problem_mark, file, found)):
+            if "'\\t'" in str(failure.problem) and (
+                tabbed := _untabbed(lines, failure.problem_mark, file, diagnostics)
+            ):
                 spoiled |= tabbed
                 continue
             fault = _Fault(failure, lines, file)
             section = fault.section()
-            found.extend(d for d in attempt if d.span.line - 1 in section)
+            diagnostics.extend(d for d in attempt if d.span.line - 1 in section)
             # An unquoted path or a missing colon is reported at its position, not with the parser's error as well.
-            reported = any(d.span.line == fault.line and d.code == "SB104" for d in found)
+            reported = any(d.span.line == fault.line and d.code == "SB104" for d in diagnostics)
             if spoiled.isdisjoint(section) and not reported:
-                fault.report(found)
+                fault.report(diagnostics)
             if budget < len(text) or fault.ends_document or not _blank(lines, section):
                 return Composed(None, False)
         else:
-            found.extend(attempt)
+            diagnostics.extend(attempt)
             return Composed(tree, whole)
     return Composed(None, False)
 
@@ -74,7 +76,7 @@ def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
 _STARRED_KEY = re.compile(r"(?P<indent> *(?:- +)?)(?P<path>\*(?:[^\"'{}\[\],#:]*[^\s\"'{}\[\],#:])?):(?=\s|$)")
 
 
-def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None:
+def _quote_starred_keys(lines: list[str], file: str, diagnostics: Diagnostics) -> None:
     """Report keys such as ``**/M3*:`` without quotes, and make them keys again.
 
     (An alias as a key needs a space before its colon, so that this is never one.)
@@ -84,7 +86,7 @@ def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None
             path, column = match["path"], match.start("path")
             help = [f'quote paths that start with *: "{path}"']
             span = Span(file, number + 1, column + 1, column + 1 + len(path))
-            found.add("SB104", f"sidecar: undefined alias {path}", span, help=help)
+            diagnostics.add("SB104", f"sidecar: undefined alias {path}", span, help=help)
             lines[number] = line[:column] + STAR + line[column + 1 :]
 
 
@@ -92,7 +94,7 @@ _TAB_BETWEEN = re.compile(r"[^'\"#\t{\[]*[^'\"#\s{\[] *(\t+)")
 """A line up to a tab that is not in its indentation, in a string, in a comment, or in brackets, where it is a space."""
 
 
-def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagnostics) -> set[int]:
+def _untabbed(lines: list[str], mark: StringMark | None, file: str, diagnostics: Diagnostics) -> set[int]:
     """Report tabs used as indentation (SB104), replace them by spaces in ``lines``, and return their lines.
 
     ``mark`` is the tab that the parser rejected.
@@ -114,7 +116,7 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
             lines[number] = line.replace("\t", " ")
         else:
             continue
-        found.add("SB104", f"sidecar: {what}", Span(file, number + 1, column + 1, end + 1), help=[help])
+        diagnostics.add("SB104", f"sidecar: {what}", Span(file, number + 1, column + 1, end + 1), help=[help])
         tabbed.add(number)
     return tabbed
 
@@ -157,21 +159,21 @@ class _Fault:
         last = min((n for n in starts if n > spoiled), default=len(self._lines))
         return range(first, last)
 
-    def report(self, found: Diagnostics) -> None:
+    def report(self, diagnostics: Diagnostics) -> None:
         """Add the diagnostic."""
         path = self._unquoted_path()
         if path is not None:
             span = self._span(self._mark[0], self._lines[self._mark[0]].index(path), len(path))
             help = [f'quote paths that start with *: "{path}"']
-            found.add("SB104", f"sidecar: undefined alias {path}", span, help=help)
+            diagnostics.add("SB104", f"sidecar: undefined alias {path}", span, help=help)
             return
         if self._keyless:
             line, column, message, remedy = self._keyless
-            found.add("SB104", f"sidecar: {message}", self._span(line, column), help=[remedy])
+            diagnostics.add("SB104", f"sidecar: {message}", self._span(line, column), help=[remedy])
             return
         message, help = self._message()
         place = self._start if self._is_unclosed() else self._mark
-        found.add("SB104", f"sidecar: {message}", self._span(*place), help=help)
+        diagnostics.add("SB104", f"sidecar: {message}", self._span(*place), help=help)
 
     def _is_unclosed(self) -> bool:
         return ("flow" in self._context and "expected ','" in self._problem) or "quoted scalar" in self._context

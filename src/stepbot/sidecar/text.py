@@ -25,7 +25,7 @@ def is_number(text: str) -> bool:
 
 
 def read_text(
-    path: Path, found: Diagnostics, start: str = "start with `version: 1`; see `stepbot docs sidecar`"
+    path: Path, diagnostics: Diagnostics, start: str = "start with `version: 1`; see `stepbot docs sidecar`"
 ) -> str | None:
     """The text of a file with line feeds at line ends, or None if it cannot be read.
 
@@ -36,27 +36,27 @@ def read_text(
         with open_regular(path) as stream:
             content = stream.read(LARGEST_FILE + 1)
     except OSError as failure:
-        found.add("SB001", _reason(path, failure), whole, help=_meant(path))
+        diagnostics.add("SB001", _reason(path, failure), whole, help=_meant(path))
         return None
     if content.lstrip()[:12] == b"ISO-10303-21":
         help = [
             f"`stepbot init {path.as_posix()}` drafts a sidecar from it; pass that sidecar instead",
             f"`stepbot inspect {path.as_posix()}` lists its components; `stepbot docs sidecar` describes all keys",
         ]
-        found.add("SB102", "sidecar: file is a STEP file", whole, help=help)
+        diagnostics.add("SB102", "sidecar: file is a STEP file", whole, help=help)
         return None
     if len(content) > LARGEST_FILE:
         help = ["check that the path names the sidecar; shorten lists of parts with globs and `rest: true`"]
-        found.add("SB102", f"sidecar: file exceeds the limit of {LARGEST_FILE // 1024} KiB", whole, help=help)
+        diagnostics.add("SB102", f"sidecar: file exceeds the limit of {LARGEST_FILE // 1024} KiB", whole, help=help)
         return None
-    text = _decoded(content, whole.file, found)
+    text = _decoded(content, whole.file, diagnostics)
     if text is not None and not text.strip("\ufeff \t\n"):
-        found.add("SB102", "sidecar: empty file", whole, help=[start])
+        diagnostics.add("SB102", "sidecar: empty file", whole, help=[start])
         return None
     return text
 
 
-def _decoded(content: bytes, file: str, found: Diagnostics) -> str | None:
+def _decoded(content: bytes, file: str, diagnostics: Diagnostics) -> str | None:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as failure:
@@ -65,18 +65,18 @@ def _decoded(content: bytes, file: str, found: Diagnostics) -> str | None:
         is_bytes = (
             f"file is {encoding}, not UTF-8" if encoding else f"invalid UTF-8: byte 0x{content[failure.start]:02x}"
         )
-        found.add("SB102", f"sidecar: {is_bytes}", _place(file, before), help=["save the file as UTF-8"])
+        diagnostics.add("SB102", f"sidecar: {is_bytes}", _place(file, before), help=["save the file as UTF-8"])
         return None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def is_text(text: str, file: str, found: Diagnostics) -> bool:
+def is_text(text: str, file: str, diagnostics: Diagnostics) -> bool:
     """Whether the text has no control characters; reports the first one, SB102."""
     match = NOT_TEXT.search(text)
     if match is not None:
         place = _place(file, text[: match.start()])
         message = f"sidecar: control character U+{ord(match[0]):04X}"
-        found.add("SB102", message, place, help=["remove it; save the file as UTF-8"])
+        diagnostics.add("SB102", message, place, help=["remove it; save the file as UTF-8"])
     return match is None
 
 
@@ -165,12 +165,12 @@ class BoundedDiagnostics(Diagnostics):
                     raise TooManyFaultsError
         return taken
 
-    def hand_over(self, found: Diagnostics, file: str, *, complete: bool) -> None:
+    def hand_over(self, diagnostics: Diagnostics, file: str, *, complete: bool) -> None:
         """Add all diagnostics to another collector, in file order, and report if there were more."""
         beyond = list(self._errors)[MOST_FAULTS:]
         shown = [one for one in self if one not in beyond]
-        found.extend(sorted(shown, key=lambda d: (d.span.line, d.span.column, d.code)))
+        diagnostics.extend(sorted(shown, key=lambda d: (d.span.line, d.span.column, d.code)))
         if not complete:
             help = ["correct these errors first"]
             message = f"sidecar: more than {MOST_FAULTS} errors; the remaining ones are not shown"
-            found.add("SB110", message, Span(file), help=help)
+            diagnostics.add("SB110", message, Span(file), help=help)

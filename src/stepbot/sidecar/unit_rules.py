@@ -37,7 +37,7 @@ class _Unit(NamedTuple):
         return self.written != self.needed
 
 
-def check_joint_units(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_joint_units(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB138: one for a joint of a wrong type, one for a default of several joints, else one for each value."""
     shared: dict[Keys, list[_Unit]] = {}
     for name in sidecar.document.joints:
@@ -45,15 +45,15 @@ def check_joint_units(sidecar: Sidecar, found: Diagnostics) -> None:
         own = [unit for unit in units if unit.keys[0] == "joints"]
         wrong = [unit for unit in own if unit.is_wrong]
         if len(wrong) == len(own) >= _SUSPICIOUS:
-            _report_type(sidecar, wrong, found)
+            _report_type(sidecar, wrong, diagnostics)
         else:
             for unit in wrong:
-                check_unit(sidecar, f"joint '{name}'", unit.kind, unit.written, unit.needed, unit.keys, found)
+                check_unit(sidecar, f"joint '{name}'", unit.kind, unit.written, unit.needed, unit.keys, diagnostics)
         for unit in units:
             if unit.is_wrong and unit.keys[0] != "joints":
                 shared.setdefault(unit.keys, []).append(unit)
     for several in shared.values():
-        _report_default(sidecar, several, found)
+        _report_default(sidecar, several, diagnostics)
 
 
 def _units(sidecar: Sidecar, name: str) -> Iterator[_Unit]:
@@ -75,7 +75,7 @@ def _units(sidecar: Sidecar, name: str) -> Iterator[_Unit]:
         yield _Unit(name, joint.type, ("joints", name, "mimic", "multiplier"), joint.mimic.multiplier.dimension, needed)
 
 
-def _report_type(sidecar: Sidecar, wrong: Sequence[_Unit], found: Diagnostics) -> None:
+def _report_type(sidecar: Sidecar, wrong: Sequence[_Unit], diagnostics: Diagnostics) -> None:
     name, kind = wrong[0].joint, wrong[0].kind
     message = f"joint '{name}': the units of {len(wrong)} values do not match its type {kind}"
     notes = [
@@ -89,14 +89,14 @@ def _report_type(sidecar: Sidecar, wrong: Sequence[_Unit], found: Diagnostics) -
         if all(unit.written in (*settings_of(other).values(), position_dimension(other)) for unit in wrong)
     ]
     help = [f"change the type to {' or '.join(types)}, or correct the values"] if types else ["correct the values"]
-    found.add("SB138", message, sidecar.span("joints", name, "type"), help=help, notes=notes)
+    diagnostics.add("SB138", message, sidecar.span("joints", name, "type"), help=help, notes=notes)
 
 
-def _report_default(sidecar: Sidecar, several: Sequence[_Unit], found: Diagnostics) -> None:
+def _report_default(sidecar: Sidecar, several: Sequence[_Unit], diagnostics: Diagnostics) -> None:
     first = several[0]
     if len(several) == 1:
         who = f"joint '{first.joint}'"
-        check_unit(sidecar, who, first.kind, first.written, first.needed, first.keys, found)
+        check_unit(sidecar, who, first.kind, first.written, first.needed, first.keys, diagnostics)
         return
     kinds = " and ".join(dict.fromkeys(unit.kind for unit in several))
     needed = " or ".join(dict.fromkeys(f"{_a(unit.needed)} [{unit.needed.unit}]" for unit in several))
@@ -105,7 +105,7 @@ def _report_default(sidecar: Sidecar, several: Sequence[_Unit], found: Diagnosti
     names = ", ".join(f"'{unit.joint}'" for unit in several)
     message += f"{len(several)} {kinds} joints"
     help = [f"set `{key}` on these joints themselves, or in a default of their own above this one"]
-    found.add("SB138", message, sidecar.span(*first.keys), help=help, notes=[f"joints: {names}"])
+    diagnostics.add("SB138", message, sidecar.span(*first.keys), help=help, notes=[f"joints: {names}"])
 
 
 def check_unit(
@@ -115,7 +115,7 @@ def check_unit(
     written: Dimension | None,
     needed: Dimension,
     keys: Keys,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> None:
     """Report SB138 if the unit of a value does not match the joint type."""
     if written is None or written == needed:
@@ -126,7 +126,7 @@ def check_unit(
     help = [f"example: {needed.example}"]
     if keys[0] == "joint_defaults":
         help.append(f"or set `{keys[-1]}` on {who} itself")
-    found.add("SB138", message, sidecar.span(*keys), help=help)
+    diagnostics.add("SB138", message, sidecar.span(*keys), help=help)
 
 
 def _a(dimension: Dimension) -> str:
@@ -160,39 +160,41 @@ _STEEPEST = 0.1
 """[m/rad], 628 mm per turn: steeper than screws that are sold."""
 
 
-def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_magnitudes(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB139 for numbers without a unit that are implausible for robots."""
     for name, joint in sidecar.document.joints.items():
         for field, setting in joint_settings(sidecar.document, name).items():
             if field in ("lower", "upper", "spring_reference") and field in settings_of(joint.type):
-                _check_position(sidecar, joint.type, setting.keys, found)
+                _check_position(sidecar, joint.type, setting.keys, diagnostics)
             elif field in ("velocity", "effort") and field in settings_of(joint.type):
-                _check_rate(sidecar, joint.type, setting.keys, found)
-        _check_position(sidecar, joint.type, ("joints", name, "zero"), found, _MOST_ROTATION)
-        _check_position(sidecar, joint.type, ("joints", name, "mimic", "offset"), found, _MOST_ROTATION)
+                _check_rate(sidecar, joint.type, setting.keys, diagnostics)
+        _check_position(sidecar, joint.type, ("joints", name, "zero"), diagnostics, _MOST_ROTATION)
+        _check_position(sidecar, joint.type, ("joints", name, "mimic", "offset"), diagnostics, _MOST_ROTATION)
     for name, actuator in sidecar.document.actuators.items():
         driven = sidecar.document.joints.get(actuator.joint)
         if driven is not None:
-            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "velocity"), found)
-            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "effort"), found)
+            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "velocity"), diagnostics)
+            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "effort"), diagnostics)
     for keys, scalar in scalars(sidecar.root):
         number = scalar.value
         if isinstance(number, bool) or not isinstance(number, int | float) or not isfinite(number):
             continue
         named = [key for key in keys if isinstance(key, str)]
         if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
-            _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+            _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", diagnostics)
         elif named[-1] == "pitch" and abs(number) > _STEEPEST:
-            _report(sidecar, keys, f"{number:g} m/rad is {number * tau:.3g} m per turn", "mm/rev", "m/rad", found)
+            _report(sidecar, keys, f"{number:g} m/rad is {number * tau:.3g} m per turn", "mm/rev", "m/rad", diagnostics)
         elif abs(number) > _LONGEST.get(named[-1], inf):
-            _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
+            _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", diagnostics)
         elif named[-1] == "tolerance" and number > _COARSEST:
-            _report(sidecar, keys, f"{number:g} is {number:.0%} of each solid's diagonal", "mm", "m", found)
+            _report(sidecar, keys, f"{number:g} is {number:.0%} of each solid's diagonal", "mm", "m", diagnostics)
         elif named[-1] == "density" and 0.0 < number < _LIGHTEST:
-            _report(sidecar, keys, f"{number:g} kg/m^3 is less than the density of foam", "g/cm^3", "kg/m^3", found)
+            _report(
+                sidecar, keys, f"{number:g} kg/m^3 is less than the density of foam", "g/cm^3", "kg/m^3", diagnostics
+            )
 
 
-def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_weights_as_forces(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB140 for torques with a unit of mass, as in data sheets of servos: ``20 kg.cm``."""
     for keys, scalar in scalars(sidecar.root):
         text = scalar.value
@@ -205,10 +207,10 @@ def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
         if quantity.taken_as:
             message = f"{subject(keys)}: '{text}' is interpreted as {quantity.taken_as} = {quantity.value:.6g} N*m"
             help = [f"write `{quantity.taken_as}` to suppress this note"]
-            found.add("SB140", message, sidecar.span(*keys), help=help)
+            diagnostics.add("SB140", message, sidecar.span(*keys), help=help)
 
 
-def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
+def check_densities(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     """Report SB521 for densities outside the range of all materials, such as 2700 g/cm^3."""
     for keys, scalar in scalars(sidecar.root):
         if keys[-1] != "density" or isinstance(scalar.value, bool) or scalar.value is None:
@@ -220,11 +222,11 @@ def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
         if density > DENSEST:
             help = _other_unit(scalar.text, "kg/m^3", 1.0) or "for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"
             message = f"{subject(keys)}: {density:g} kg/m^3 exceeds the density of any material"
-            found.add("SB521", message, sidecar.span(*keys), help=[help])
+            diagnostics.add("SB521", message, sidecar.span(*keys), help=[help])
         elif 0.0 < density < _SPARSEST and sidecar.plain_number(*keys) is None:  # else SB139
             help = _other_unit(scalar.text, "g/cm^3", 1000.0) or "for comparison, polystyrene foam has 15 kg/m^3"
             message = f"{subject(keys)}: {density:g} kg/m^3 is below the density of any solid, and that of foam"
-            found.add("SB521", message, sidecar.span(*keys), help=[help])
+            diagnostics.add("SB521", message, sidecar.span(*keys), help=[help])
 
 
 def _other_unit(written: str, unit: str, scale: float) -> str:
@@ -235,38 +237,38 @@ def _other_unit(written: str, unit: str, scale: float) -> str:
 
 
 def _check_position(
-    sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics, most: float = _MOST_RADIANS
+    sidecar: Sidecar, kind: JointKind, keys: Keys, diagnostics: Diagnostics, most: float = _MOST_RADIANS
 ) -> None:
     number = sidecar.plain_number(*keys)
     if number is None or not isfinite(number):
         return
     if kind is JointKind.PRISMATIC and abs(number) > _MOST_METRES:
-        _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
+        _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", diagnostics)
     elif kind is not JointKind.PRISMATIC and abs(number) > most:
-        _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+        _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", diagnostics)
 
 
-def _check_rate(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
+def _check_rate(sidecar: Sidecar, kind: JointKind, keys: Keys, diagnostics: Diagnostics) -> None:
     """Report a velocity or an effort that no joint of a robot has."""
     number, slides = sidecar.plain_number(*keys), kind is JointKind.PRISMATIC
     if number is None or not isfinite(number):
         return
     if keys[-1] == "effort" and number > _STRONGEST[slides]:
         own, other = ("N", "mN") if slides else ("N*m", "N*mm")
-        _report(sidecar, keys, f"{number:g} {own} is implausibly strong", other, own, found)
+        _report(sidecar, keys, f"{number:g} {own} is implausibly strong", other, own, diagnostics)
     elif keys[-1] == "velocity" and number > _FASTEST[slides]:
         own, other = ("m/s", "mm/s") if slides else ("rad/s", "deg/s")
         speed = f"{number:g} {own}" + ("" if slides else f" = {number * 60.0 / tau:.0f} rpm")
-        _report(sidecar, keys, f"{speed} is implausibly fast", other, own, found)
+        _report(sidecar, keys, f"{speed} is implausibly fast", other, own, diagnostics)
 
 
-def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, found: Diagnostics) -> None:
+def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, diagnostics: Diagnostics) -> None:
     span, written = sidecar.span(*keys), sidecar.written(*keys)
     behind = sidecar.text.split("\n")[span.line - 1][span.end_column - 1 :]
     if isinstance(keys[-1], str) and behind[:1] == "," and behind[1:2].isdigit():
         return  # half of a number with a decimal comma, which is an error of its own
     help = [f"write `{written} {other}` if the unit is {other}, or `{written} {own}` to confirm {own}"]
-    found.add("SB139", f"{subject(keys)}: {message}", span, help=help)
+    diagnostics.add("SB139", f"{subject(keys)}: {message}", span, help=help)
 
 
 def _turns(radians: float) -> str:

@@ -65,15 +65,15 @@ def _with_other_files(modules: Tree, patch: Tree) -> Tree:
     return _mapping(modules, entries)
 
 
-def with_variant(root: Mapping, name: str, found: Diagnostics, module: Tree | None = None) -> Mapping | None:
+def with_variant(root: Mapping, name: str, diagnostics: Diagnostics, module: Tree | None = None) -> Mapping | None:
     """The sidecar as its variant; None after SB160.
 
     Args:
         name: The variant. The robot of ``arm`` is named ``arm_<name>`` if the variant does not name it.
-        found: Receives SB160: an unknown variant, a circular ``like``, an unknown name in ``without``.
+        diagnostics: Receives SB160: an unknown variant, a circular ``like``, an unknown name in ``without``.
         module: The module of another file that selects it.
     """
-    patches = _patches(root, name, found, module)
+    patches = _patches(root, name, diagnostics, module)
     if patches is None:
         return None
     whole = root
@@ -81,11 +81,15 @@ def with_variant(root: Mapping, name: str, found: Diagnostics, module: Tree | No
         entries = {key: entry for key, entry in patch.entries.items() if key not in OWN_KEYS}
         with_values = merged(whole, _mapping(patch, entries))
         assert isinstance(with_values, Mapping)
-        whole = _without(with_values, child(patch, "without"), f"variant '{name}'", found)
+        whole = _without(with_values, child(patch, "without"), f"variant '{name}'", diagnostics)
     if any(_names(root, section) for section in _PARTS) and not any(_names(whole, section) for section in _PARTS):
         help = ("leave out what is attached alone: without the part below it, it goes too",)
         _report(
-            found, root, ("variants", name, "without"), f"variant '{name}': without: no link or module is left", help
+            diagnostics,
+            root,
+            ("variants", name, "without"),
+            f"variant '{name}': without: no link or module is left",
+            help,
         )
         return None
     robot = root.entries.get("robot")
@@ -103,7 +107,7 @@ def unknown_elements(root: Tree, patch: Tree) -> Iterator[tuple[tuple[str, str],
         yield from (((section, name), known) for name in entries_of(child(patch, section)) if name not in known)
 
 
-def _patches(root: Mapping, name: str, found: Diagnostics, module: Tree | None) -> list[Mapping] | None:
+def _patches(root: Mapping, name: str, diagnostics: Diagnostics, module: Tree | None) -> list[Mapping] | None:
     """The patches of a variant in the order in which they are merged: first that of the one that it is like."""
     variants = child(root, "variants")
     known = tuple(entries_of(variants))
@@ -113,7 +117,7 @@ def _patches(root: Mapping, name: str, found: Diagnostics, module: Tree | None) 
     while name:
         if name in chain:
             ring = " -> ".join([*chain[chain.index(name) :], name])
-            _report(found, root, keys, f"variant '{chain[-1]}': like: circular: {ring}", ("remove one `like`",))
+            _report(diagnostics, root, keys, f"variant '{chain[-1]}': like: circular: {ring}", ("remove one `like`",))
             return None
         if name not in known:
             listed = ", ".join(known)
@@ -121,44 +125,50 @@ def _patches(root: Mapping, name: str, found: Diagnostics, module: Tree | None) 
             message = f"no variant '{name}'"
             if module is not None and not chain:
                 message = f"variant: {message} in '{Path(root.span.file).name}'"
-                _report(found, module, ("variant",), message, help)
+                _report(diagnostics, module, ("variant",), message, help)
             else:
                 subject = f"variant '{chain[-1]}': like" if chain else "sidecar"
-                _report(found, root, keys, f"{subject}: {message}", help)
+                _report(diagnostics, root, keys, f"{subject}: {message}", help)
             return None
         chain.append(name)
         patch = child(variants, name) if variants is not None else None
         if patch is not None and patch.faulty:
             return None
         if not isinstance(patch, Mapping):
-            _report(found, root, ("variants", name), f"variant '{name}': not a mapping", ("`NAME: {KEY: VALUE}`",))
+            _report(
+                diagnostics, root, ("variants", name), f"variant '{name}': not a mapping", ("`NAME: {KEY: VALUE}`",)
+            )
             return None
         if "variants" in patch.entries:
             help = ("add it beside this one: `like` starts from another variant",)
             _report(
-                found, root, ("variants", name, "variants"), f"variant '{name}': variants: a variant has none", help
+                diagnostics,
+                root,
+                ("variants", name, "variants"),
+                f"variant '{name}': variants: a variant has none",
+                help,
             )
             return None
         patches.insert(0, patch)
         keys = ("variants", name, "like")
         like = child(patch, "like")
         if like is not None and not isinstance(like, Scalar):
-            _report(found, root, keys, f"variant '{name}': like: not the name of a variant", ())
+            _report(diagnostics, root, keys, f"variant '{name}': like: not the name of a variant", ())
             return None
         name = "" if like is None else str(like.value)
     return patches
 
 
-def _report(found: Diagnostics, root: Tree, keys: Keys, message: str, help: tuple[str, ...]) -> None:
-    found.add("SB160", message, span(root, keys), help=help)
+def _report(diagnostics: Diagnostics, root: Tree, keys: Keys, message: str, help: tuple[str, ...]) -> None:
+    diagnostics.add("SB160", message, span(root, keys), help=help)
 
 
-def _without(root: Mapping, named: Tree | None, who: str, found: Diagnostics) -> Mapping:
+def _without(root: Mapping, named: Tree | None, who: str, diagnostics: Diagnostics) -> Mapping:
     """The sidecar without some elements, everything attached to them, and the devices on what is left out."""
     if named is None:
         return root
     if not isinstance(named, Listing) or not all(isinstance(one, Scalar) for one in named.values):
-        found.add("SB160", f"{who}: without: not a list of names", named.span, help=("`without: [NAME, ...]`",))
+        diagnostics.add("SB160", f"{who}: without: not a list of names", named.span, help=("`without: [NAME, ...]`",))
         return root
     known = {name for section in _NAMED for name in _names(root, section)}
     gone = set()
@@ -167,7 +177,7 @@ def _without(root: Mapping, named: Tree | None, who: str, found: Diagnostics) ->
         gone.add(name)
         if name not in known:
             message = f"{who}: without: no element '{name}'"
-            found.add("SB160", message, one.span, help=did_you_mean(name, sorted(known)))
+            diagnostics.add("SB160", message, one.span, help=did_you_mean(name, sorted(known)))
     left = _Left(root, gone)
     entries = {
         key: Entry(entry.key_span, _kept(entry.value, left.out[key])) if key in left.out else entry

@@ -120,29 +120,29 @@ class Content(Struct, frozen=True, eq=False):
     """Names of the other files that were read."""
 
 
-def read_content(files: tuple[StepFile, ...], found: Diagnostics) -> Content | None:
+def read_content(files: tuple[StepFile, ...], diagnostics: Diagnostics) -> Content | None:
     """Everything but the bodies; None, with the reason in ``found``, after an error.
 
     Args:
         files: The file of the assembly first; others are read if a product needs them.
     """
-    contents = _read_all(files, found)
-    if contents is None or _has_cycle(contents, files, found):
+    contents = _read_all(files, diagnostics)
+    if contents is None or _has_cycle(contents, files, diagnostics):
         return None
-    return guarded(files[0].place, found, lambda: _put_together(contents, files, found))
+    return guarded(files[0].place, diagnostics, lambda: _put_together(contents, files, diagnostics))
 
 
 def _put_together(
-    contents: Mapping[int, FileContent], files: tuple[StepFile, ...], found: Diagnostics
+    contents: Mapping[int, FileContent], files: tuple[StepFile, ...], diagnostics: Diagnostics
 ) -> Content | None:
     composition = Composition(contents)
     place, definitions = files[0].place, composition.definitions
-    tree = grow(definitions, composition.roots, composition.materials, place, found)
+    tree = grow(definitions, composition.roots, composition.materials, place, diagnostics)
     if tree is None:
         return None
     is_complete = not any(definition.missing for definition in definitions)
     if not tree.variants and is_complete:
-        found.add("SB205", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
+        diagnostics.add("SB205", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
         return None
 
     def read_stated() -> list[Stated]:
@@ -152,12 +152,12 @@ def _put_together(
     # Of an incomplete assembly, what the file states is of other parts, too.
     stated: list[Stated] = []
     if is_complete:
-        stated = optional("validation properties", place, found, read_stated, stated)
+        stated = optional("validation properties", place, diagnostics, read_stated, stated)
     external = tuple(files[file].name for file in contents if file)
     return Content(_unit(contents), definitions, tree, stated, contents[0].mechanisms, external)
 
 
-def _read_all(files: tuple[StepFile, ...], found: Diagnostics) -> dict[int, FileContent] | None:
+def _read_all(files: tuple[StepFile, ...], diagnostics: Diagnostics) -> dict[int, FileContent] | None:
     """Indices of the needed files, ascending."""
     contents: dict[int, FileContent] = {}
     pending = [0]
@@ -165,7 +165,7 @@ def _read_all(files: tuple[StepFile, ...], found: Diagnostics) -> dict[int, File
         file = pending.pop(0)
         if file in contents:
             continue
-        content = read_file(files[file], found)
+        content = read_file(files[file], diagnostics)
         if content is None:
             return None
         contents[file] = content
@@ -173,7 +173,7 @@ def _read_all(files: tuple[StepFile, ...], found: Diagnostics) -> dict[int, File
     return dict(sorted(contents.items()))
 
 
-def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...], found: Diagnostics) -> bool:
+def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...], diagnostics: Diagnostics) -> bool:
     """Whether a file needs itself, directly or indirectly; such a cycle is reported in ``found``."""
     done: set[int] = set()
     path: list[int] = []
@@ -184,7 +184,7 @@ def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...],
             done.add(path.pop())
         elif file in path:
             names = [files[one].name for one in [*path[path.index(file) :], file]]
-            found.add(
+            diagnostics.add(
                 "SB203",
                 f"circular external reference: {' -> '.join(names)}",
                 Span(files[path[-1]].place),

@@ -42,75 +42,77 @@ class FileContent(Struct, frozen=True, eq=False):
     """For each definition whose shape is in another file the index of that file."""
 
 
-def guarded(place: str, found: Diagnostics, read: Callable[[], T | None]) -> T | None:
+def guarded(place: str, diagnostics: Diagnostics, read: Callable[[], T | None]) -> T | None:
     """The result of a function that reads; None, with SB205 in ``found``, if the kernel fails on the file."""
     remedy = ["open it in another CAD program and export it again"]
     try:
         return read()
     except StepUnreadable as error:
-        found.add("SB205", str(error), Span(place), help=remedy)
+        diagnostics.add("SB205", str(error), Span(place), help=remedy)
         return None
     except OUT_OF_MEMORY:
         raise MemoryError from None  # the process ends, and its parent reports why
     except KERNEL_ERRORS as error:
         message = f"kernel error: {type(error).__name__} {error}".rstrip()
-        found.add("SB205", message, Span(place), help=remedy)
+        diagnostics.add("SB205", message, Span(place), help=remedy)
         return None
 
 
-def optional(what: str, place: str, found: Diagnostics, read: Callable[[], T], instead: T) -> T:
+def optional(what: str, place: str, diagnostics: Diagnostics, read: Callable[[], T], instead: T) -> T:
     """What a file can be read without; where it fails that is reported."""
     try:
         return read()
     except OUT_OF_MEMORY:
         raise MemoryError from None
     except Exception as error:  # noqa: BLE001 - whatever it is, it costs this result alone
-        found.add("SB233", f"reading {what} failed ({type(error).__name__} {error})".replace(" )", ")"), Span(place))
+        diagnostics.add(
+            "SB233", f"reading {what} failed ({type(error).__name__} {error})".replace(" )", ")"), Span(place)
+        )
         return instead
 
 
-def read_file(file: StepFile, found: Diagnostics) -> FileContent | None:
+def read_file(file: StepFile, diagnostics: Diagnostics) -> FileContent | None:
     """Read a file; None, with the reason in ``found``, after an error."""
 
     def read() -> FileContent | None:
         try:
-            return _read(file, found, take_out=True)
+            return _read(file, diagnostics, take_out=True)
         except MisplacedOccurrence:
-            return _read(file, found, take_out=False)
+            return _read(file, diagnostics, take_out=False)
 
-    return guarded(file.place, found, read)
+    return guarded(file.place, diagnostics, read)
 
 
-def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent | None:
+def _read(file: StepFile, diagnostics: Diagnostics, *, take_out: bool) -> FileContent | None:
     place = file.place
     with as_utf8(file.path, file.part21.encoding) as text:
-        if not check_numbers(text, place, found):
+        if not check_numbers(text, place, diagnostics):
             return None
         try:
             reader, session = read_model(text)
         except StepUnreadable:
-            if report_long_tokens(text, place, found):
+            if report_long_tokens(text, place, diagnostics):
                 return None
             raise
-        if not check_integrity(session, text, place, found):
+        if not check_integrity(session, text, place, diagnostics):
             return None
-    unit = read_length_unit(session, place, found)
+    unit = read_length_unit(session, place, diagnostics)
     if unit is None:
         return None
-    materials = optional("materials", place, found, lambda: Materials(session, place, found), None)
+    materials = optional("materials", place, diagnostics, lambda: Materials(session, place, diagnostics), None)
     products = Products(session, take_out=take_out)
     if products.tree_size() > MAX_COMPONENTS:  # the kernel would expand each of them
-        report_too_large(products.tree_size(), place, found)
+        report_too_large(products.tree_size(), place, diagnostics)
         return None
     correct_operators(session)
     forget_external_files(session)
     definitions = Definitions(transfer(reader), products)
     if definitions.color_errors:
         message = f"reading {len(definitions.color_errors)} colors failed ({definitions.color_errors[0]})"
-        found.add("SB233", message, Span(place))
-    written = optional("its solids", place, found, lambda: len(entities(session, StepShape_SolidModel)), 0)
-    _check_solids(written, definitions.all, place, found)
-    elsewhere = _elsewhere(file, session, products, definitions.all, found)
+        diagnostics.add("SB233", message, Span(place))
+    written = optional("its solids", place, diagnostics, lambda: len(entities(session, StepShape_SolidModel)), 0)
+    _check_solids(written, definitions.all, place, diagnostics)
+    elsewhere = _elsewhere(file, session, products, definitions.all, diagnostics)
     if elsewhere is None:
         return None
 
@@ -122,13 +124,13 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
 
     made_of = [StepMaterial()] * len(definitions.all)
     if materials is not None:
-        made_of = optional("materials", place, found, lambda: materials_of(materials), made_of)
-    mechanisms = optional("mechanisms", place, found, lambda: mechanism_count(session), 0)
+        made_of = optional("materials", place, diagnostics, lambda: materials_of(materials), made_of)
+    mechanisms = optional("mechanisms", place, diagnostics, lambda: mechanism_count(session), 0)
     return FileContent(session, unit, products, definitions, made_of, mechanisms, elsewhere)
 
 
 def _elsewhere(
-    file: StepFile, session: Any, products: Products, definitions: list[Definition], found: Diagnostics
+    file: StepFile, session: Any, products: Products, definitions: list[Definition], diagnostics: Diagnostics
 ) -> dict[int, int] | None:
     """For each definition without own shape the index of the file with its shape.
 
@@ -146,33 +148,33 @@ def _elsewhere(
         if index != NONE and (definitions[index].bodies or definitions[index].children or index in elsewhere):
             if elsewhere.get(index) != link.file:
                 message = f"'{reference.product}': external file '{reference.name}' is not needed and was not read"
-                found.add("SB231", message, Span(file.place, reference.line, 1))
+                diagnostics.add("SB231", message, Span(file.place, reference.line, 1))
         elif index == NONE:
-            _report_missing(link, file.place, found)
+            _report_missing(link, file.place, diagnostics)
             is_complete = False
         elif link.file == NO_FILE:
-            _report_missing(link, file.place, found)
+            _report_missing(link, file.place, diagnostics)
             definitions[index].missing = reference.name
         else:
             elsewhere[index] = link.file
     return elsewhere if is_complete else None
 
 
-def _report_missing(link: Link, place: str, found: Diagnostics) -> None:
+def _report_missing(link: Link, place: str, diagnostics: Diagnostics) -> None:
     reference, fault = link.reference, link.fault or "but the assembly does not define its pose"
     message = f"the geometry of '{reference.product}' is in file '{reference.name}', {fault}"
     if not reference.definition:
         message = f"geometry is in file '{reference.name}', but the assembly does not say which part it is"
     help = link.help or ("export the assembly as one STEP file, with external references switched off",)
-    found.add("SB203", message, Span(place, reference.line, 1), help=help)
+    diagnostics.add("SB203", message, Span(place, reference.line, 1), help=help)
 
 
-def _check_solids(written: int, definitions: list[Definition], place: str, found: Diagnostics) -> None:
+def _check_solids(written: int, definitions: list[Definition], place: str, diagnostics: Diagnostics) -> None:
     """Report if the kernel built fewer solids than the file describes."""
     sources = [source for definition in definitions for source in definition.bodies]
     read = sum(source.shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_SOLID for source in sources)
     if read < written:
-        found.add(
+        diagnostics.add(
             "SB220",
             f"{written - read} of the {written} solids in the file are not part of a product, or could not be built",
             Span(place),

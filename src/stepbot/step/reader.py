@@ -47,8 +47,8 @@ class _Order(Struct, frozen=True):
 class Reading:
     """A STEP file that is being read."""
 
-    def __init__(self, worker: Worker | None, order: _Order | None, place: str, found: Diagnostics) -> None:
-        self._worker, self._order, self._place, self._found = worker, order, place, found
+    def __init__(self, worker: Worker | None, order: _Order | None, place: str, diagnostics: Diagnostics) -> None:
+        self._worker, self._order, self._place, self._diagnostics = worker, order, place, diagnostics
         if order is not None and worker is not None:
             self._attempt = Attempt(order.folder.name, BODY_SECONDS)
             order.submit(worker, self._attempt)
@@ -58,7 +58,7 @@ class Reading:
         """Id of the kernel's process; None if there is none, or no longer."""
         return self._worker.pid if self._worker is not None else None
 
-    def finish(self, found: Diagnostics, timeout: float = DEFAULT_TIMEOUT) -> Assembly | None:
+    def finish(self, diagnostics: Diagnostics, timeout: float = DEFAULT_TIMEOUT) -> Assembly | None:
         """Wait for the assembly.
 
         Args:
@@ -68,21 +68,21 @@ class Reading:
             None where nothing can be read. Bodies that fail and files that are missing are errors too, with an assembly
             without them.
         """
-        found.extend(self._found)
+        diagnostics.extend(self._diagnostics)
         if self._worker is None:
             return None
         try:
-            assembly, diagnostics = self._result(timeout * self._size_factor)
+            assembly, reported = self._result(timeout * self._size_factor)
         except WorkerDied as death:
-            _report_death(death, self._place, timeout, found)
+            _report_death(death, self._place, timeout, diagnostics)
             return None
         except RemoteError as error:
-            if not _report_import(error, found, self._place):
+            if not _report_import(error, diagnostics, self._place):
                 raise
             return None
         finally:
             self.close()
-        found.extend(diagnostics)
+        diagnostics.extend(reported)
         return _read_only(assembly) if assembly is not None else None
 
     def close(self) -> None:
@@ -128,27 +128,27 @@ def start_reading(
         memory_limit: Address space [bytes] of the kernel's process; None for no limit.
         kernel: A process started in advance; None to start one.
     """
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     place = str(path)
     worker = kernel or Worker(KERNEL, memory_limit=memory_limit)
     try:
-        files = check_files(path, place, found, options.encoding)
+        files = check_files(path, place, diagnostics, options.encoding)
         if files is not None:
             folder = tempfile.TemporaryDirectory(dir=run_folder(), ignore_cleanup_errors=True)
-            return Reading(worker, _Order(files, options, memory_limit, folder), place, found)
+            return Reading(worker, _Order(files, options, memory_limit, folder), place, diagnostics)
     except BaseException:  # Ctrl-C: the process is no longer needed
         worker.close()
         raise
     worker.close()
-    return Reading(None, None, place, found)
+    return Reading(None, None, place, diagnostics)
 
 
-def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assembly | None:
+def read_assembly(path: Path, options: ReadOptions, diagnostics: Diagnostics) -> Assembly | None:
     """Read a STEP file; None where nothing can be read. Errors in ``found``: the assembly is incomplete."""
-    return start_reading(path, options).finish(found)
+    return start_reading(path, options).finish(diagnostics)
 
 
-def _report_death(death: WorkerDied, place: str, timeout: float, found: Diagnostics) -> None:
+def _report_death(death: WorkerDied, place: str, timeout: float, diagnostics: Diagnostics) -> None:
     again = "open the file in another CAD program and export it again"
     if isinstance(death, OutOfTime):
         message = f"the geometry kernel was stopped while reading the file: {death.reason}"
@@ -156,13 +156,15 @@ def _report_death(death: WorkerDied, place: str, timeout: float, found: Diagnost
     else:
         message = f"the geometry kernel died while reading the file: {death.reason}"
         remedies = [again, "raise `--memory-limit`"]
-    found.add("SB902", message, Span(place), help=remedies, notes=death.last_lines)
+    diagnostics.add("SB902", message, Span(place), help=remedies, notes=death.last_lines)
 
 
-def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
+def _report_import(error: RemoteError, diagnostics: Diagnostics, place: str) -> bool:
     """Whether the kernel could not be loaded, and what is missing."""
     if error.kind == "ModuleNotFoundError" and "OCP" in error.text:
-        found.add("SB003", "the geometry kernel is not installed", Span(place), help=["pip install cadquery-ocp-novtk"])
+        diagnostics.add(
+            "SB003", "the geometry kernel is not installed", Span(place), help=["pip install cadquery-ocp-novtk"]
+        )
         return True
     named = _MISSING_LIBRARY.findall(error.text)
     if error.kind != "ImportError" or not (named or _NOT_LOADED.search(error.text)):
@@ -173,7 +175,7 @@ def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:
     what = ", ".join([*missing, *others]) or error.text
     remedies = [f"on Debian or Ubuntu: apt-get install {packages}"] if missing else []
     remedies += [f"install the system package that provides {library}" for library in others]
-    found.add("SB002", f"the geometry kernel failed to load: {what} is missing", Span(place), help=remedies)
+    diagnostics.add("SB002", f"the geometry kernel failed to load: {what} is missing", Span(place), help=remedies)
     return True
 
 

@@ -47,18 +47,18 @@ def read(
     Returns:
         The assembly, None after an error, and the diagnostics.
     """
-    found = Diagnostics()
-    content = read_content(files, found)
+    diagnostics = Diagnostics()
+    content = read_content(files, diagnostics)
     if content is None:
-        return None, tuple(found)
+        return None, tuple(diagnostics)
     place, part21 = files[0].place, files[0].part21
-    bodies = _Bodies(content, place, found)
+    bodies = _Bodies(content, place, diagnostics)
     made = bodies.make(options, attempt)
     components = content.tree.components
     stated = content.stated if options.geometry else []
     validations: tuple[Validation, ...] = optional(
-        *("validation properties", place, found),
-        lambda: compare(stated, content.definitions, components, made, place, found),
+        *("validation properties", place, diagnostics),
+        lambda: compare(stated, content.definitions, components, made, place, diagnostics),
         (),
     )
     assembly = Assembly(
@@ -72,10 +72,10 @@ def read(
         definitions=content.tree.definition_count,
         external_files=content.external,
         validations=validations,
-        diagnostics=tuple(found),
+        diagnostics=tuple(diagnostics),
         facts=_facts(part21, content),
     )
-    return assembly, tuple(found)
+    return assembly, tuple(diagnostics)
 
 
 def _facts(part21: Part21, content: Content) -> dict[str, str]:
@@ -94,8 +94,8 @@ def _facts(part21: Part21, content: Content) -> dict[str, str]:
 class _Bodies:
     """Makes the bodies of a file: every one once, then the mirrored and scaled ones from them."""
 
-    def __init__(self, content: Content, place: str, found: Diagnostics) -> None:
-        self._place, self._found = place, found
+    def __init__(self, content: Content, place: str, diagnostics: Diagnostics) -> None:
+        self._place, self._diagnostics = place, diagnostics
         self._components = content.tree.components
         self._variants = content.tree.variants
         keys = dict.fromkeys((v.definition, v.body) for v in self._variants)
@@ -106,7 +106,7 @@ class _Bodies:
         for definition, _ in keys:
             if content.definitions[definition].has_spare_curves:
                 message = f"'{content.definitions[definition].name}': its curves and points are ignored"
-                found.add("SB216", message, Span(place))
+                diagnostics.add("SB216", message, Span(place))
 
     def make(self, options: ReadOptions, attempt: Attempt | None) -> dict[tuple[int, int], Body]:
         """Each body once, by the number of its definition and its own number in it."""
@@ -171,7 +171,7 @@ class _Bodies:
         component, others = self._first[number]
         more = f" ({others} more like it)" if others else ""
         message = f"'{component.path}'{more}: {finding.message}"
-        self._found.add(finding.code, message, Span(self._place), help=finding.help)
+        self._diagnostics.add(finding.code, message, Span(self._place), help=finding.help)
 
     def _first_components(self) -> dict[int, tuple[Component, int]]:
         """For each body, the first component that displays it, and the number of others."""

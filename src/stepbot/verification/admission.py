@@ -69,28 +69,28 @@ def _is_robot(path: Path) -> bool:
         return False
 
 
-def is_robot_file(path: Path, found: Diagnostics) -> bool:
+def is_robot_file(path: Path, diagnostics: Diagnostics) -> bool:
     """Whether a path is a file that may be a robot description.
 
     Args:
-        found: Receives SB001 with the robot files in the folder, or beside the missing file; SB814 for a sidecar or
-            STEP.
+        diagnostics: Receives SB001 with the robot files in the folder, or beside the missing file; SB814 for a sidecar
+            or STEP.
     """
     span = Span(path.as_posix())
     if is_file(path):
         source = "a sidecar" if path.suffix in (".yaml", ".yml") else "a STEP file" if is_step_name(path.name) else ""
         if source:
-            found.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
+            diagnostics.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
         return not source
     if is_folder(path):
         inside = listed([one.as_posix() for one in main_files(path)], _SHOWN)
         help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"
-        found.add("SB001", "is a folder, not a file", span, help=[help])
+        diagnostics.add("SB001", "is a folder, not a file", span, help=[help])
         return False
     beside = [one.as_posix() for one in main_files(path.parent)]
     near = did_you_mean(path.name, (Path(one).name for one in beside))
     others = [f"robot files in '{path.parent.as_posix()}': {listed(beside, _SHOWN)}"] if beside else []
-    found.add("SB001", "file not found", span, help=near or others)
+    diagnostics.add("SB001", "file not found", span, help=near or others)
     return False
 
 
@@ -103,15 +103,16 @@ _MOST_CALLS = 8
 
 
 def admitted(
-    formats: Mapping[Path, str], found: Diagnostics, workers: Workers, packages: Iterable[Path] = ()
+    formats: Mapping[Path, str], diagnostics: Diagnostics, workers: Workers, packages: Iterable[Path] = ()
 ) -> dict[Path, str]:
     """The files that engines may read, each with its format.
 
     Args:
-        found: Receives SB820 for rejected files.
+        diagnostics: Receives SB820 for rejected files.
     """
     return {
-        path: formats[path] for path, _ in _examined(formats, dict.fromkeys(formats), tuple(packages), found, workers)
+        path: formats[path]
+        for path, _ in _examined(formats, dict.fromkeys(formats), tuple(packages), diagnostics, workers)
     }
 
 
@@ -119,7 +120,7 @@ def located(
     formats: Mapping[Path, str],
     packages: Iterable[Path],
     folder: Path,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     workers: Workers,
     xacro: Iterable[tuple[str, str]] = (),
 ) -> tuple[dict[Path, Path], dict[Path, tuple[Statement, ...]]]:
@@ -130,7 +131,7 @@ def located(
     Args:
         packages: Folders of packages, or the folders that contain them; those above a file are searched, too.
         folder: Receives the copies.
-        found: Receives SB820 for rejected files, SB861 for those whose meshes are missing, and SB877 for wrong macros.
+        diagnostics: Receives SB820 for rejected files, SB861 for missing meshes, and SB877 for wrong macros.
         xacro: Name and value of arguments of the files with macros.
     """
     packages, xacro = tuple(packages), tuple(xacro)
@@ -138,8 +139,8 @@ def located(
     for n, (path, written_in) in enumerate(formats.items()):
         if not has_macros(path):
             sources[path] = path, ()
-        elif admitted({path: written_in}, found, workers, packages):
-            macros = expanded(path, xacro, packages, found, workers)
+        elif admitted({path: written_in}, diagnostics, workers, packages):
+            macros = expanded(path, xacro, packages, diagnostics, workers)
             if macros is not None:
                 plain = folder / f"expanded{n}" / f"{path.name.partition('.')[0]}.urdf"
                 plain.parent.mkdir()
@@ -149,15 +150,15 @@ def located(
     places, texts = {}, {}
     shared = len(set(formats.values())) < len(formats)
     formats = {file: formats[path] for file, (path, _) in sources.items()}
-    examined = dict(_examined(formats, copies, packages, found, workers, stated=shared))
+    examined = dict(_examined(formats, copies, packages, diagnostics, workers, stated=shared))
     if len({(formats[file], one.meshes) for file, one in examined.items()}) > len(set(formats.values())):
         sound = {file: formats[file] for file in examined}
-        examined = dict(_examined(sound, copies, packages, found, workers, stated=True, surfaces=True))
+        examined = dict(_examined(sound, copies, packages, diagnostics, workers, stated=True, surfaces=True))
     for file, one in examined.items():
         copy, (path, stated_at) = copies[file], sources[file]
         if one.missing:
             line = one.missing[0].line
-            _report_missing(stated_at[line] if stated_at else Span(path.as_posix(), line), one.missing, found)
+            _report_missing(stated_at[line] if stated_at else Span(path.as_posix(), line), one.missing, diagnostics)
         else:
             places[path] = copy if copy is not None and exists(copy) else file
             texts[path] = one.stated
@@ -171,7 +172,11 @@ def has_macros(path: Path) -> bool:
 
 
 def expanded(
-    path: Path, arguments: Iterable[tuple[str, str]], packages: Iterable[Path], found: Diagnostics, workers: Workers
+    path: Path,
+    arguments: Iterable[tuple[str, str]],
+    packages: Iterable[Path],
+    diagnostics: Diagnostics,
+    workers: Workers,
 ) -> Expanded | None:
     """The URDF of a file with macros; None after SB877 or SB902.
 
@@ -180,7 +185,7 @@ def expanded(
     """
     span = Span(path.as_posix())
     if find_spec("xacro") is None:
-        found.add(
+        diagnostics.add(
             "SB877", "the file has macros, and xacro is not installed", span, help=["pip install 'stepbot[xacro]'"]
         )
         return None
@@ -188,20 +193,20 @@ def expanded(
     try:
         macros: Expanded = workers.call(_EXPAND, str(openable(path)), given, tuple(map(resolved, packages)))
     except WorkerDied as death:
-        found.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
+        diagnostics.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
         return None
     shown = {str(resolved(path)): path.as_posix()}
     macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
     if macros.error:
         calls = list(dict.fromkeys(f"in the macro called in {Path(one.file).name}:{one.line}" for one in macros.calls))
         place = macros.at._replace(file=shown.get(macros.at.file, macros.at.file))
-        found.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
+        diagnostics.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
         return None
     for name in given:
         if name not in macros.arguments:
             known = ", ".join(macros.arguments) or "none"
             help = did_you_mean(name, macros.arguments) or (f"arguments: {known}",)
-            found.add("SB877", f"the file has no argument '{name}'", span, help=help)
+            diagnostics.add("SB877", f"the file has no argument '{name}'", span, help=help)
             return None
     return macros
 
@@ -219,7 +224,7 @@ def _examined(
     formats: Mapping[Path, str],
     copies: Mapping[Path, Path | None],
     packages: tuple[Path, ...],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     workers: Workers,
     *,
     stated: bool = False,
@@ -235,15 +240,15 @@ def _examined(
             examined: Examined = workers.call(_EXAMINE, *names, packages, stated, surfaces)
         except WorkerDied as death:
             message = f"the process that reads the file's references died: {death.reason}"
-            found.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)
+            diagnostics.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)
             continue
         for one in examined.refusals:
-            found.add(one.code, one.message, Span(Path(one.file).as_posix(), one.line))
+            diagnostics.add(one.code, one.message, Span(Path(one.file).as_posix(), one.line))
         if not examined.refusals:
             yield path, examined
 
 
-def _report_missing(span: Span, missing: tuple[MissingMesh, ...], found: Diagnostics) -> None:
+def _report_missing(span: Span, missing: tuple[MissingMesh, ...], diagnostics: Diagnostics) -> None:
     """Report meshes that a file names and that do not exist (SB861)."""
     first, *others = missing
     more = f" and {len(others)} more" if others else ""
@@ -252,4 +257,4 @@ def _report_missing(span: Span, missing: tuple[MissingMesh, ...], found: Diagnos
     if any("://" in one.uri for one in missing):
         remedy = "name the folder of the package: `--package-path DIR`"
     message = f"mesh '{first.uri}'{more} not found"
-    found.add("SB861", message, span, help=[remedy], notes=notes)
+    diagnostics.add("SB861", message, span, help=[remedy], notes=notes)

@@ -78,7 +78,7 @@ def verify(
     robot: Robot,
     written: Mapping[str, Written],
     provers: Provers,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     *,
     require: Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
@@ -93,13 +93,13 @@ def verify(
         timeout: Time limit [s] of each engine.
     """
     required = tuple(require)
-    check_required(required, found)
+    check_required(required, diagnostics)
     try:
         asked = requests(
             robot, {name: one.robot for name, one in written.items()}, {name: one.path for name, one in written.items()}
         )
     except DoesNotClose as error:
-        return _open_loop(robot, error, found)
+        return _open_loop(robot, error, diagnostics)
     provers.engines.start({name: name for name in written})
     provers.engines.submit(asked, observations)
     if provers.collider is not None:
@@ -108,7 +108,7 @@ def verify(
     reference = Reference()
     expected = {name: reference.observe(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
     freedom = degrees_of_freedom(robot)
-    _check_loops(robot, freedom, expected.values(), found)
+    _check_loops(robot, freedom, expected.values(), diagnostics)
     outcomes: list[Outcome] = []
     checks: list[Check] = []
     differences = Diagnostics()
@@ -117,11 +117,11 @@ def verify(
         checks += _checks(subject, expected[outcome.key], outcome, differences)
         checks += _checks_of_modules(subject, written[outcome.key], asked[outcome.key], reference, outcome, differences)
         outcomes.append(outcome)
-    check_started(required, outcomes, found)
+    check_started(required, outcomes, diagnostics)
     for key, one in written.items():
-        _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], found)
-    found.extend(differences)
-    overlaps, collision_check = _self_collision(robot, provers, timeout, found)
+        _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], diagnostics)
+    diagnostics.extend(differences)
+    overlaps, collision_check = _self_collision(robot, provers, timeout, diagnostics)
     return report_of(
         (*checks, collision_check),
         outcomes,
@@ -136,32 +136,32 @@ def verify(
     )
 
 
-def _check_read(file: str, outcomes: list[Outcome], found: Diagnostics) -> None:
+def _check_read(file: str, outcomes: list[Outcome], diagnostics: Diagnostics) -> None:
     """Warn of a file that no installed engine reads, unless most installations lack all of its engines."""
     usual = any(not engine_of(outcome.engine).optional for outcome in outcomes)
     if usual and all(outcome.fate is Fate.ABSENT for outcome in outcomes):
-        report_unread(file, outcomes, found)
+        report_unread(file, outcomes, diagnostics)
 
 
-def _open_loop(robot: Robot, error: DoesNotClose, found: Diagnostics) -> Report:
+def _open_loop(robot: Robot, error: DoesNotClose, diagnostics: Diagnostics) -> Report:
     """The report of a robot whose loops do not close as drawn: there is no mechanism for engines to check."""
     message = f"{error} in the drawn pose"
-    found.add("SB808", message, Span(robot.source or robot.name))
+    diagnostics.add("SB808", message, Span(robot.source or robot.name))
     return Report((Check("", "", "stepbot", Quantity.CLOSURES.value, Status.FAILED, why=message),), robot=robot)
 
 
-def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], found: Diagnostics) -> None:
+def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], diagnostics: Diagnostics) -> None:
     """Warn of loops that cannot move, and of loops that do not stay closed when they do."""
     span = Span(robot.source or robot.name)
     if robot.closures and freedom == 0:
-        found.add("SB819", "the closures leave no degree of freedom in the drawn pose", span)
+        diagnostics.add("SB819", "the closures leave no degree of freedom in the drawn pose", span)
     widest: dict[str, float] = {}
     for closure in (closure for one in expected for closure in one.closures or ()):
         widest[closure.name] = max(widest.get(closure.name, 0.0), closure.residual or 0.0)
     for name, gap in widest.items():
         if gap > WIDE_OPEN:
             message = f"closure '{name}' opens by up to {gap:.2g} m over its range"
-            found.add("SB818", message, span)
+            diagnostics.add("SB818", message, span)
 
 
 def _expected(robot: Robot, lowered: Robot) -> Robot:
@@ -169,11 +169,11 @@ def _expected(robot: Robot, lowered: Robot) -> Robot:
     return replace(mechanism(robot, lowered), actuators=lowered.actuators)
 
 
-def _checks(subject: Subject, expected: Observation, outcome: Outcome, found: Diagnostics) -> list[Check]:
+def _checks(subject: Subject, expected: Observation, outcome: Outcome, diagnostics: Diagnostics) -> list[Check]:
     if outcome.observation is None:
         quantities = [compared.quantity for compared in compare(expected, expected)]
-        return checks_without_observation(subject, outcome, quantities, found)
-    return [judged(subject, one, found, ENGINE_WARNING) for one in compare(expected, outcome.observation)]
+        return checks_without_observation(subject, outcome, quantities, diagnostics)
+    return [judged(subject, one, diagnostics, ENGINE_WARNING) for one in compare(expected, outcome.observation)]
 
 
 def _checks_of_modules(
@@ -182,7 +182,7 @@ def _checks_of_modules(
     request: Request,
     reference: Reference,
     outcome: Outcome,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> Iterator[Check]:
     """What an engine reports of each module, against the module alone."""
     if outcome.observation is None:
@@ -190,11 +190,11 @@ def _checks_of_modules(
     for one, lowered in written.modules:
         of_module = replace(subject, against=one.against)
         for compared in as_alone(one, lowered, written.robot, outcome.observation, request, reference):
-            yield judged(of_module, compared, found)
+            yield judged(of_module, compared, diagnostics)
 
 
 def _self_collision(
-    robot: Robot, provers: Provers, timeout: float, found: Diagnostics
+    robot: Robot, provers: Provers, timeout: float, diagnostics: Diagnostics
 ) -> tuple[tuple[Overlap, ...], Check]:
     """Overlapping links of the robot itself; they are listed with a warning, and do not fail the files."""
     span, engine, quantity = Span(robot.source or robot.name), "python-fcl", Quantity.SELF_COLLISION.value
@@ -204,13 +204,13 @@ def _self_collision(
         overlaps = provers.collider.result(timeout)
     except (WorkerDied, RemoteError) as error:
         lines = getattr(error, "last_lines", ())
-        found.add("SB817", f"self-collision: {str(error).splitlines()[0]}", span, notes=lines)
+        diagnostics.add("SB817", f"self-collision: {str(error).splitlines()[0]}", span, notes=lines)
         return (), Check("", "", engine, quantity, Status.NOT_RUN, why=str(error).splitlines()[0])
     reported = frozenset(map(frozenset, robot.excluded_contacts))
     if robot.self_collision is not None:
         reported |= robot.self_collision.excluded  # with SB620
     for a, b, depth in (one for one in overlaps if frozenset(one[:2]) not in reported):
         deep = "" if depth is None else f" by {depth * 1e3:.3g} mm"
-        found.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
+        diagnostics.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
     pairs = "; ".join(f"'{a}' and '{b}' overlap" for a, b, _ in overlaps)
     return overlaps, Check("", "", engine, quantity, Status.PASSED, why=pairs)

@@ -62,7 +62,7 @@ _LENIENT = "correct this line; engines are more lenient than XML, and read files
 
 def verify_files(
     paths: Sequence[Path],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     *,
     require: Iterable[str] = (),
     workers: Workers = DEFAULT_WORKERS,
@@ -73,16 +73,16 @@ def verify_files(
 
     Args:
         paths: The files; the others are compared with the first.
-        found: Receives the diagnostics: unreadable files, engines that reject a file or crash, differences.
+        diagnostics: Receives the diagnostics: unreadable files, engines that reject a file or crash, differences.
         require: Engines whose absence is an error.
         packages: Folders of the packages that the files name, or the folders that contain them.
         xacro: Name and value of arguments of the files with macros.
     """
     required = tuple(require)
-    check_required(required, found)
-    asked, outcomes = observed(paths, found, workers, packages=tuple(packages), xacro=xacro)
-    check_started(required, outcomes, found)
-    checks = judge(outcomes, asked, found)
+    check_required(required, diagnostics)
+    asked, outcomes = observed(paths, diagnostics, workers, packages=tuple(packages), xacro=xacro)
+    check_started(required, outcomes, diagnostics)
+    checks = judge(outcomes, asked, diagnostics)
     return report_of(checks, outcomes, joint_table=_named(asked.joint_table, outcomes))
 
 
@@ -96,7 +96,7 @@ def _named(table: Sequence[JointRow], outcomes: Iterable[Outcome]) -> tuple[Join
 def compare_two(
     old: Path,
     new: Path,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     workers: Workers,
     packages: Iterable[Path] = (),
     xacro: Iterable[tuple[str, str]] = (),
@@ -104,8 +104,8 @@ def compare_two(
     """Compare one file with another in everything that engines report of both; None if either cannot be read.
 
     Args:
-        found: Receives the errors of files that cannot be read, and of engines that cannot read one of them; SB815 for
-            a file that no engine reads, or that only an engine that reports more reads.
+        diagnostics: Receives the errors of files that cannot be read, and of engines that cannot read one of them;
+            SB815 for a file that no engine reads, or that only an engine that reports more reads.
         packages: Folders of the packages that the files name, or the folders that contain them.
         xacro: Name and value of arguments of the files with macros.
     """
@@ -119,16 +119,16 @@ def compare_two(
             of_file[outcome.key].remove(outcome)
             message = f"not compared in {outcome.engine}, only in {witness}: {outcome.reason}"
             help = f"`stepbot verify {outcome.key}` lists what each engine reports"
-            found.add("SB815", message, Span(outcome.key), help=[help])
+            diagnostics.add("SB815", message, Span(outcome.key), help=[help])
     for key, some in of_file.items():
         list(checks_within(key, some, reported))
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
-    found.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
+    diagnostics.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
     if len(seen) < 2:
-        if not found.has_errors:
+        if not diagnostics.has_errors:
             for key, some in of_file.items():
                 if some and not ranked(some):
-                    report_unread(key, some, found)
+                    report_unread(key, some, diagnostics)
         return None
     ours, theirs = map(gather, seen)
     results = compared_with_first(ours, theirs, asked)
@@ -161,7 +161,7 @@ def _of_one_alone(ours: Gathered, theirs: Gathered) -> tuple[Compared, ...]:
 
 def observed(
     paths: Sequence[Path],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     workers: Workers,
     *,
     count: int = CONFIGURATIONS,
@@ -175,7 +175,7 @@ def observed(
 
     Args:
         paths: The files; the same motions are asked of all, in the coordinates of the first.
-        found: Receives the errors of files that cannot be read.
+        diagnostics: Receives the errors of files that cannot be read.
         seconds: Duration [s] of the passive simulation.
         renamed: By absolute path, the names under which files are compared.
         packages: Folders of packages; None for files whose meshes every engine finds.
@@ -183,17 +183,17 @@ def observed(
         xacro: Name and value of arguments of the files with macros.
     """
     names = dict(renamed or {})
-    formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
+    formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, diagnostics)) is not None}
     with ExitStack() as running:
         server = started_engine_server()
         if server is not None:
             workers = workers._replace(start=running.enter_context(server).fork)
         if packages is None:
-            formats = admitted(formats, found, workers, included)
+            formats = admitted(formats, diagnostics, workers, included)
             places, texts = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
         else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
-            places, texts = located(formats, packages, copies, found, workers, xacro)
+            places, texts = located(formats, packages, copies, diagnostics, workers, xacro)
             formats = {path: formats[path] for path in places}
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, workers.memory_limit, workers.start))
@@ -232,15 +232,15 @@ def _paired(probed: Mapping[Path, Probed]) -> dict[Path, NewNames]:
     return {path: one for path, one in paired.items() if one.links or one.joints}
 
 
-def format_of(path: Path, found: Diagnostics) -> str | None:
+def format_of(path: Path, diagnostics: Diagnostics) -> str | None:
     """Format of a file by its first bytes or its root element; None, and a diagnostic, if it has none."""
     from lxml import etree
 
     span = Span(_key(path))
-    if not is_robot_file(path, found):
+    if not is_robot_file(path, diagnostics):
         return None
     if not path.stat().st_size:
-        found.add("SB814", "the file is empty", span)
+        diagnostics.add("SB814", "the file is empty", span)
         return None
     # Format of a file that is not XML, by its first bytes.
     with open_regular(path) as file:
@@ -251,12 +251,12 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     try:
         element = first_element(path)
     except etree.XMLSyntaxError as error:
-        found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0), help=[_LENIENT])
+        diagnostics.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0), help=[_LENIENT])
         return None
     by_root = {written.root: written.name for written in FORMATS.values() if written.root}
     name = by_root.get(str(element.tag))
     if name is None:
-        found.add("SB814", f"root element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
+        diagnostics.add("SB814", f"root element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
     return name
 
 

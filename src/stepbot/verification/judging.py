@@ -63,9 +63,9 @@ class Subject(Struct, frozen=True):
 ENGINE_WARNING = "SB813"
 
 
-def judged(subject: Subject, compared: Compared, found: Diagnostics, warning_code: str = ENGINE_WARNING) -> Check:
+def judged(subject: Subject, compared: Compared, diagnostics: Diagnostics, warning_code: str = ENGINE_WARNING) -> Check:
     """The check of a comparison; a failure is reported, with this code if it is a warning of the engine."""
-    report_failure(subject, compared, warning_code, found)
+    report_failure(subject, compared, warning_code, diagnostics)
     return check_of(subject, compared)
 
 
@@ -88,26 +88,26 @@ def check_of(subject: Subject, compared: Compared) -> Check:
     return subject.check(quantity, status, amount, allowed, shown.unit, where, why)
 
 
-def report_failure(subject: Subject, compared: Compared, warning_code: str, found: Diagnostics) -> None:
+def report_failure(subject: Subject, compared: Compared, warning_code: str, diagnostics: Diagnostics) -> None:
     """A diagnostic of a failed comparison; its first line is complete, the rest are notes."""
     failures = compared.deviations.failures
     if not failures or compared.not_run:
         return
     code = warning_code if compared.quantity is Quantity.WARNINGS else _CODES.get(compared.quantity, _OTHER_ROBOT)
     message = f"{subject.words}: {compared.quantity.value}: {failures[0]}"
-    found.add(code, message, Span(subject.file), notes=cut([*map(str, failures[1:])], MOST_NOTES))
+    diagnostics.add(code, message, Span(subject.file), notes=cut([*map(str, failures[1:])], MOST_NOTES))
 
 
-def report_unread(file: str, outcomes: Sequence[Outcome], found: Diagnostics) -> None:
+def report_unread(file: str, outcomes: Sequence[Outcome], diagnostics: Diagnostics) -> None:
     """A diagnostic of a file that no engine read, with what to install (SB815)."""
     reasons = "; ".join(f"{outcome.engine}: {outcome.reason}" for outcome in outcomes)
     absent = [engine_of(outcome.engine) for outcome in outcomes if outcome.fate is Fate.ABSENT]
     help = dict.fromkeys(engine.install for engine in absent if engine.install)
-    found.add("SB815", f"no engine read the file: {reasons}", Span(file), help=tuple(help))
+    diagnostics.add("SB815", f"no engine read the file: {reasons}", Span(file), help=tuple(help))
 
 
 def checks_without_observation(
-    subject: Subject, outcome: Outcome, quantities: Sequence[Quantity], found: Diagnostics
+    subject: Subject, outcome: Outcome, quantities: Sequence[Quantity], diagnostics: Diagnostics
 ) -> list[Check]:
     """Checks for an engine without an observation; a rejection or a crash fails ``load``, and is reported."""
     failed = outcome.fate in (Fate.REFUSED, Fate.DIED, Fate.BROKEN)
@@ -124,7 +124,7 @@ def checks_without_observation(
     if failed:
         code = {Fate.REFUSED: "SB801", Fate.DIED: "SB802"}.get(outcome.fate, "SB901")
         first, *more = outcome.reason.splitlines() or [""]
-        found.add(code, f"{subject.engine}: {first}", Span(subject.file), notes=[*more, *outcome.last_lines])
+        diagnostics.add(code, f"{subject.engine}: {first}", Span(subject.file), notes=[*more, *outcome.last_lines])
     return checks
 
 
@@ -186,14 +186,14 @@ class Asked(Struct, frozen=True, eq=False):
     """What files that share a format contain, by path."""
 
 
-def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:
+def judge(outcomes: Sequence[Outcome], asked: Asked, diagnostics: Diagnostics) -> tuple[Check, ...]:
     """Compare the observations: within each file, and between files."""
     by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
     checks: list[Check] = []
     for key, of_file in by_file.items():
-        checks += checks_within(key, of_file, found)
+        checks += checks_within(key, of_file, diagnostics)
     seen = [seen_by for of_file in by_file.values() if (seen_by := ranked(of_file))]
-    checks += _checks_across([gather(one) for one in seen], asked, found)
+    checks += _checks_across([gather(one) for one in seen], asked, diagnostics)
     return tuple(checks)
 
 
@@ -203,25 +203,27 @@ def ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
     return sorted(seen, key=lambda outcome: engine_of(outcome.engine).order)
 
 
-def checks_within(key: str, outcomes: Sequence[Outcome], found: Diagnostics) -> Iterator[Check]:
+def checks_within(key: str, outcomes: Sequence[Outcome], diagnostics: Diagnostics) -> Iterator[Check]:
     """Every engine of a file against the one that reports most; that one only for its own result."""
     reference = next(iter(ranked(outcomes)), None)
     if reference is None and all(outcome.fate in (Fate.ABSENT, Fate.UNREADABLE) for outcome in outcomes):
-        report_unread(key, outcomes, found)
+        report_unread(key, outcomes, diagnostics)
     for outcome in outcomes:
         alone = reference is None or outcome is reference
         against = "itself" if alone or reference is None else reference.engine
         subject = Subject(key, outcome.format, outcome.engine, against)
         if outcome.observation is None:
-            yield from checks_without_observation(subject, outcome, OWN_RESULT, found)
+            yield from checks_without_observation(subject, outcome, OWN_RESULT, diagnostics)
             continue
         assert reference is not None
         assert reference.observation is not None
         pair = normalized(reference.observation, outcome.observation)
-        yield from (judged(subject, one, found) for one in compare(*pair) if not alone or one.quantity in OWN_RESULT)
+        yield from (
+            judged(subject, one, diagnostics) for one in compare(*pair) if not alone or one.quantity in OWN_RESULT
+        )
 
 
-def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
+def _checks_across(gathered: Sequence[Gathered], asked: Asked, diagnostics: Diagnostics) -> Iterator[Check]:
     """Every further file against the first, and for quantities that the first lacks against the files before it."""
     for number, theirs in enumerate(gathered):
         compared = set(OWN_RESULT)
@@ -238,7 +240,7 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostic
             for one in results:
                 against = f"{ours.key} ({ours.engine(one.quantity)})"
                 subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)
-                yield judged(subject, one, found)
+                yield judged(subject, one, diagnostics)
 
 
 def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:

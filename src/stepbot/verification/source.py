@@ -99,7 +99,7 @@ def verify_against_source(
     names: NewNames,
     pieces: Mapping[str, str],
     of_robot: Callable[[Observation], Observation],
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     workers: Workers,
     included: Sequence[Path] = (),
 ) -> tuple[Check, ...]:
@@ -112,7 +112,7 @@ def verify_against_source(
         names: Names that the conversion changed.
         pieces: For each written visual the first one of the same visual in the source.
         of_robot: What an observation of the source has of the robot, without its surroundings.
-        found: Receives differences, and SB867 if no engine reads the source.
+        diagnostics: Receives differences, and SB867 if no engine reads the source.
         included: Folders from which an MJCF may include files, in addition to its own.
     """
     name = PurePath(span.file).name
@@ -129,7 +129,7 @@ def verify_against_source(
     if all(outcome.engine in own_parsers() for outcome in first):
         by = "stepbot's own parser alone read it" if first else "no engine read it"
         reasons = [f"{one.engine}: {one.reason}" for one in of_source if one.observation is None]
-        found.add(NOT_CONFIRMED, f"not confirmed by an engine: {by}", span, notes=reasons)
+        diagnostics.add(NOT_CONFIRMED, f"not confirmed by an engine: {by}", span, notes=reasons)
     if not first:
         return ()
     source_seen = gather(first)
@@ -150,7 +150,7 @@ def verify_against_source(
                 compared = replace(compared, not_run=reason)
             against = f"{name} ({ours.engine(compared.quantity)})"
             subject = Subject(written.name, theirs.format, theirs.engine(compared.quantity), against)
-            checks.append(judged(subject, compared, found))
+            checks.append(judged(subject, compared, diagnostics))
     return tuple(checks)
 
 

@@ -134,9 +134,9 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
     return (*_offered(assembly, b, lines(of_b), "second"), *_offered(assembly, a, lines(of_a), "first"))[:MOST_LINES]
 
 
-def _offered(assembly: Assembly, a: int, found: Sequence[AxisLine], form: Form) -> tuple[SharedLine, ...]:
-    chosen = choose(found).line
-    pairs = zip(found, selectors(found), strict=True)
+def _offered(assembly: Assembly, a: int, lines: Sequence[AxisLine], form: Form) -> tuple[SharedLine, ...]:
+    chosen = choose(lines).line
+    pairs = zip(lines, selectors(lines), strict=True)
     return tuple(_shared(assembly, a, line, line is chosen, one, form) for line, one in pairs)
 
 

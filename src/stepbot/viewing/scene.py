@@ -44,7 +44,9 @@ def proof_document(report: Results) -> Json:
     }
 
 
-def diagnostic_documents(found: Iterable[Diagnostic], lines: Mapping[tuple[str, int], str] | None = None) -> list[Json]:
+def diagnostic_documents(
+    diagnostics: Iterable[Diagnostic], lines: Mapping[tuple[str, int], str] | None = None
+) -> list[Json]:
     """Diagnostics with places relative to the folders of their files, and their source lines as far as given."""
     return [
         picked(
@@ -54,7 +56,7 @@ def diagnostic_documents(found: Iterable[Diagnostic], lines: Mapping[tuple[str, 
             line=one.span.line,
             source=(lines or {}).get((one.span.file, one.span.line), ""),
         )
-        for one in found
+        for one in diagnostics
     ]
 
 
@@ -93,7 +95,7 @@ def scene_document(
     evidence: Mapping[str, Json] | None = None,
     assembly: Assembly | None = None,
     report: Results | None = None,
-    found: Iterable[Diagnostic] = (),
+    diagnostics: Iterable[Diagnostic] = (),
 ) -> Json:
     """The scene of a robot.
 
@@ -128,7 +130,7 @@ def scene_document(
         "actuators": [picked(one, "name joint kind kp kv") for one in robot.actuators],
         "components": [] if assembly is None else component_documents(assembly, robot),
         "proof": None if report is None else proof_document(report),
-        "diagnostics": diagnostic_documents(found),
+        "diagnostics": diagnostic_documents(diagnostics),
     }
 
 

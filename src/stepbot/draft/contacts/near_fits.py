@@ -76,7 +76,7 @@ class _Round(Struct, frozen=True, eq=False):
 
 
 def find_near_fits(
-    scene: Scene, parts: Mapping[int, Part], small: set[int], found: Contacts
+    scene: Scene, parts: Mapping[int, Part], small: set[int], contacts: Contacts
 ) -> dict[Pair, list[NearFit]]:
     """The nearly coaxial faces of larger parts beside each other, one for each line and pair, the closest.
 
@@ -84,7 +84,7 @@ def find_near_fits(
         small: Those that move with their hosts, such as screws.
         found: Lines with exactly coaxial faces; what has a fit on one is left out.
     """
-    rounds = _rounds(small, found)
+    rounds = _rounds(small, contacts)
     ids = [i for i in rounds if parts[i].size]
     boxes = np.array([parts[i].box for i in ids]).reshape(-1, 2, 3)
     near: dict[Pair, list[NearFit]] = {}
@@ -95,7 +95,7 @@ def find_near_fits(
             continue
         one, two = (rounds[i].beside(parts[j].box) for i, j in (pair, pair[::-1]))
         fits = _between(pair, one, two) if box_gap(parts[pair[0]].box, parts[pair[1]].box) < _BESIDE else []
-        exact = found.fits.get(pair, ())
+        exact = contacts.fits.get(pair, ())
         fits = [fit for fit in fits if not any(fit.axis.same(one.axis, OFFSET) for one in exact)]
         if fits:
             near[pair] = fits
@@ -104,9 +104,9 @@ def find_near_fits(
     return near
 
 
-def _rounds(small: set[int], found: Contacts) -> dict[int, _Round]:
+def _rounds(small: set[int], contacts: Contacts) -> dict[int, _Round]:
     rows: dict[int, list[tuple[Array, Array, float, float, bool]]] = defaultdict(list)
-    for line in found.lines:
+    for line in contacts.lines:
         for part, faces in line.faces.items():
             for f in faces if part not in small else ():
                 if not f.cone and f.span > HALF_ROUND:

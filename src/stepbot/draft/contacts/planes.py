@@ -43,7 +43,7 @@ class Facing(Struct, frozen=True, eq=False):
     patch: Patch
 
 
-def find_patches(scene: Scene, found: Contacts) -> None:
+def find_patches(scene: Scene, contacts: Contacts) -> None:
     """Add all shared areas to the contacts."""
     planes = Planes(scene)
     seen: set[tuple[int, int]] = set()
@@ -53,7 +53,7 @@ def find_patches(scene: Scene, found: Contacts) -> None:
             seen.add((one, two))
             patch = planes.patch(one, two)
             if patch is not None:
-                found.patches[patch.a, patch.b].append(patch)
+                contacts.patches[patch.a, patch.b].append(patch)
 
 
 class Planes:

@@ -113,28 +113,28 @@ class Relation(Struct, frozen=True, eq=False):
         return self.freedom.kind == FreedomKind.RIGID
 
 
-def find_relations(found: Contacts) -> dict[Pair, Relation]:
+def find_relations(contacts: Contacts) -> dict[Pair, Relation]:
     """The relation of every pair of parts that touch."""
-    turned = turned_lines(found)
+    turned = turned_lines(contacts)
     return {
         (a, b): relate(
             (a, b),
-            *(found.fits.get((a, b), ()), found.patches.get((a, b), ()), found.sockets.get((a, b), ())),
+            *(contacts.fits.get((a, b), ()), contacts.patches.get((a, b), ()), contacts.sockets.get((a, b), ())),
             [*turned.get(a, ()), *turned.get(b, ())],
         )
-        for a, b in found.pairs()
+        for a, b in contacts.pairs()
     }
 
 
-def turned_lines(found: Contacts) -> dict[int, list[Axis]]:
+def turned_lines(contacts: Contacts) -> dict[int, list[Axis]]:
     """For each part, the lines of its wider faces of revolution, the widest first."""
     lines: dict[int, list[tuple[float, int]]] = {}
-    for number, line in enumerate(found.lines):
+    for number, line in enumerate(contacts.lines):
         for part, faces in line.faces.items():
             radius = max((f.radius for f in faces if not f.bore or f.radius > _BORED_RADIUS), default=0.0)
             if radius >= _TURNED_RADIUS:
                 lines.setdefault(part, []).append((-round(radius, 9), number))
-    return {part: [found.lines[n].axis for _, n in sorted(rows)[:_MOST_LINES]] for part, rows in lines.items()}
+    return {part: [contacts.lines[n].axis for _, n in sorted(rows)[:_MOST_LINES]] for part, rows in lines.items()}
 
 
 def merged(relations: Iterable[Relation], pair: Pair, lines: Sequence[Axis]) -> Relation:

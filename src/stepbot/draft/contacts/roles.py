@@ -22,16 +22,16 @@ from stepbot.step.assembly import Component
 from stepbot.step.faces import Face, FaceKind
 
 
-def read_parts(scene: Scene, found: Contacts, *, use_names: bool) -> dict[int, Part]:
+def read_parts(scene: Scene, contacts: Contacts, *, use_names: bool) -> dict[int, Part]:
     """All parts by the index of their component."""
     lines_of: dict[int, list[int]] = defaultdict(list)
-    for number, line in enumerate(found.lines):
+    for number, line in enumerate(contacts.lines):
         for index in line.faces:
             lines_of[index].append(number)
     parts = {}
     for index in scene.parts:
         part = _part(scene, index, use_names=use_names)
-        lines = [found.lines[n] for n in lines_of[index]]
+        lines = [contacts.lines[n] for n in lines_of[index]]
         rings = _rings(part, lines) if part.role is None else frozenset()
         if rings & _DIMENSIONS:
             part = replace(part, role=Role.BEARING)

@@ -31,7 +31,7 @@ _NEAR = 3e-3
 _EQUAL = 1e-7
 
 
-def find_fits(scene: Scene, found: Contacts) -> None:
+def find_fits(scene: Scene, contacts: Contacts) -> None:
     """Add all lines, and the fits on them, to the contacts."""
     rows = scene.faces(FaceKind.CYLINDER) + scene.faces(FaceKind.CONE)
     if not rows:
@@ -39,11 +39,11 @@ def find_fits(scene: Scene, found: Contacts) -> None:
     rays = Rays(np.array([r.point for r in rows]), np.array([r.direction for r in rows]))
     for group in coaxial(rays, LINE_DISTANCE, LINE_ANGLE):
         line = _line([rows[i] for i in group.tolist()])
-        found.lines.append(line)
+        contacts.lines.append(line)
         for a, b in neighbours_on(line):
-            found.fits[a, b] += _pair_fits(line, a, b)
-    for pair in [pair for pair, of in found.fits.items() if not of]:
-        del found.fits[pair]
+            contacts.fits[a, b] += _pair_fits(line, a, b)
+    for pair in [pair for pair, of in contacts.fits.items() if not of]:
+        del contacts.fits[pair]
 
 
 def _line(rows: Sequence[PlacedFace]) -> CoaxialLine:
@@ -137,7 +137,7 @@ _CENTRES = 2e-5
 _NEIGHBOURS = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
 
 
-def find_sockets(scene: Scene, found: Contacts) -> None:
+def find_sockets(scene: Scene, contacts: Contacts) -> None:
     """Add all balls in sockets to the contacts, each pair of parts and centre once."""
     cells: dict[tuple[int, ...], list[PlacedFace]] = defaultdict(list)
     for row in scene.faces(FaceKind.SPHERE):
@@ -148,7 +148,7 @@ def find_sockets(scene: Scene, found: Contacts) -> None:
             for socket in cells.get((x + dx, y + dy, z + dz), ()):
                 if socket.face.bore and socket.part != ball.part and _holds(ball, socket):
                     a, b = sorted((ball.part, socket.part))
-                    known = found.sockets[a, b]
+                    known = contacts.sockets[a, b]
                     if not any(np.linalg.norm(s.point - ball.point) < _CENTRES for s in known):
                         known.append(Socket(a, b, ball.point, ball.face.radius))
 

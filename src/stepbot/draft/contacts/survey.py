@@ -329,8 +329,8 @@ class Survey:
 
 def find_contacts(scene: Scene) -> Contacts:
     """All contacts between the parts of an assembly."""
-    found = Contacts()
-    find_fits(scene, found)
-    find_patches(scene, found)
-    find_sockets(scene, found)
-    return found
+    contacts = Contacts()
+    find_fits(scene, contacts)
+    find_patches(scene, contacts)
+    find_sockets(scene, contacts)
+    return contacts

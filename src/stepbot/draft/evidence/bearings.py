@@ -45,14 +45,14 @@ class _Seat(Struct, frozen=True, eq=False):
     length: float
 
 
-def bearing_evidence(survey: Survey, found: Evidence) -> None:
+def bearing_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add the evidence of all bearings."""
     for i, part in survey.parts.items():
         if _is_bearing(part) and i not in survey.small:
-            _say(survey, i, found)
+            _say(survey, i, evidence)
 
 
-def ring_evidence(survey: Survey, found: Evidence) -> None:
+def ring_evidence(survey: Survey, evidence: Evidence) -> None:
     """Two rings in each other, of which each is bolted to another part about their axis, turn: a slewing ring."""
     for (a, b), r in survey.pairs():
         are_rings = r.via == Via.BOLT and not r.patches and _is_around(survey, r)
@@ -60,20 +60,24 @@ def ring_evidence(survey: Survey, found: Evidence) -> None:
             continue
         if _are_bolted(survey, a, _Seat(b, r, r.length)):
             why = "rings in each other, each bolted to another part"
-            found.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
+            evidence.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
         elif are_rings and ((path := _bearing_of(survey, r)) or _are_seated(survey, r)):
             is_named = bool(path) or any(Role.BEARING in survey.parts[i].roles for i in (a, b))
             why = f"rings of the bearing '{path}'" if path else "rings of one width, each in a seat of its own"
             review = "" if is_named else "not named as a bearing"
-            found.joint(JointEvidence(_SEATED, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=review))
+            evidence.joint(
+                JointEvidence(_SEATED, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=review)
+            )
             for ring in (a, b):
                 for other, s in survey.around(ring):
                     if s.via == Via.PIN and s.axis is not None and s.axis.same(r.axis):
-                        found.weld(_RINGS, ring, other, "ring of a bearing in its seat")
+                        evidence.weld(_RINGS, ring, other, "ring of a bearing in its seat")
         elif r.via == Via.PIN and (carried := _carried(survey, r, r.axis)) >= 0:
             why = "a disc with play in the end of what is bolted to another part"
-            found.joint(JointEvidence(_DISC, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=_REVIEW))
-            found.weld(_DISC, max(r.shafts, key=lambda f: f.length).shaft, carried, "on the face of a disc that turns")
+            evidence.joint(JointEvidence(_DISC, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=_REVIEW))
+            evidence.weld(
+                _DISC, max(r.shafts, key=lambda f: f.length).shaft, carried, "on the face of a disc that turns"
+            )
 
 
 def _is_around(survey: Survey, r: Relation) -> bool:
@@ -137,12 +141,12 @@ def _bolted_to(survey: Survey, i: int, axis: Axis | None) -> set[int]:
     return {other for other, about in rings if axis and about and about.same(axis, _SAME_AXIS)}
 
 
-def _say(survey: Survey, bearing: int, found: Evidence) -> None:
+def _say(survey: Survey, bearing: int, evidence: Evidence) -> None:
     inner, outer = _seats(survey, bearing)
     held = next((seat for seat in outer if seat.part not in survey.small), None)
     if held is None or _are_bolted(survey, bearing, held):
         return
-    found.weld(0.93, bearing, held.part, "bearing in its seat")
+    evidence.weld(0.93, bearing, held.part, "bearing in its seat")
     turning = [x for x in _turning(survey, bearing, held, inner) if x != held.part]
     turning = [x for x in turning if not _is_bearing(survey.parts[x])]
     if turning:
@@ -160,7 +164,7 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
             kind, review = JointKind.PRISMATIC, "nothing holds the rod along its plain bearing; it may turn, too"
         hinge = JointEvidence(_SEATED, a, b, kind, axis, why, held.relation, by_role=is_named, review=review)
         hinge.through = bearing
-        found.joint(hinge)
+        evidence.joint(hinge)
 
 
 def _around_pin(survey: Survey, pin: int, seat: int, axis: Axis) -> list[int]:

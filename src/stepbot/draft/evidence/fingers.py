@@ -53,7 +53,7 @@ def centroid(survey: Survey, members: Sequence[int]) -> Array:
     return np.asarray(np.sum([p.volume * p.com for p in parts], axis=0) / total)
 
 
-def finger_evidence(survey: Survey, found: Evidence) -> None:
+def finger_evidence(survey: Survey, evidence: Evidence) -> None:
     """Two equal fingers that only lie on one body slide on it towards each other."""
     fingers = [i for i, part in survey.parts.items() if Role.JAW in part.roles and i not in survey.small]
     for one, two in combinations(fingers, 2):
@@ -69,7 +69,7 @@ def finger_evidence(survey: Survey, found: Evidence) -> None:
             axis = Axis(centroid(survey, [finger]), along)
             a, b = sorted((finger, host))
             why = "one of two equal fingers by name, on one face"
-            found.joint(JointEvidence(_SCORE, a, b, JointKind.PRISMATIC, axis, why, relation, review=BY_NAME))
+            evidence.joint(JointEvidence(_SCORE, a, b, JointKind.PRISMATIC, axis, why, relation, review=BY_NAME))
 
 
 def _hosts(survey: Survey, finger: int) -> set[int]:

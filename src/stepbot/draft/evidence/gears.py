@@ -26,40 +26,42 @@ SAME_GEAR = 3e-4
 """Distance [m] up to which the axis of a gear is that of a joint."""
 
 
-def gear_evidence(survey: Survey, found: Evidence) -> None:
+def gear_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add what gears indicate.
 
     Those that mesh move relative to each other. One without a shaft turns on the part with a round face on its line
     nearby. One on a shaft that turns, driven or in a bearing, is fixed to it.
     """
-    _fix_to_shafts(survey, found)
+    _fix_to_shafts(survey, evidence)
     for pair in survey.rack_meshes:
         a, b = sorted((pair.gear.part, pair.part))
-        found.apart.append(Apart(_APART, a, b))
+        evidence.apart.append(Apart(_APART, a, b))
         guide = _guide(survey, pair)
         if guide is not None:
             a, b = sorted((guide, pair.part))
             axis = Axis(pair.rack.point, pair.rack.along)
             why = f"the rack '{survey.parts[pair.part].path}' meshes with '{survey.parts[pair.gear.part].path}'"
             slides = (
-                h for h in found.joints if h.type == JointKind.PRISMATIC and h.score >= CHOSEN and guide in (h.a, h.b)
+                h
+                for h in evidence.joints
+                if h.type == JointKind.PRISMATIC and h.score >= CHOSEN and guide in (h.a, h.b)
             )
             if any(h.axis.is_along(pair.rack.along) for h in slides) and guide not in _hosts(survey, pair.gear):
-                found.weld(_KEYED, a, b, "a rack on what slides along its teeth")
+                evidence.weld(_KEYED, a, b, "a rack on what slides along its teeth")
                 continue
-            found.joint(JointEvidence(_APART, a, b, JointKind.PRISMATIC, axis, why, review=_OF_RACK))
-    held = {i for h in found.joints for i in (h.a, h.b) if h.drives}
+            evidence.joint(JointEvidence(_APART, a, b, JointKind.PRISMATIC, axis, why, review=_OF_RACK))
+    held = {i for h in evidence.joints for i in (h.a, h.b) if h.drives}
     for mesh in survey.meshes:
         a, b = sorted((mesh.one.part, mesh.two.part))
-        found.apart.append(Apart(_APART, a, b))
-        _free_from_hosts(survey, mesh, found)
+        evidence.apart.append(Apart(_APART, a, b))
+        _free_from_hosts(survey, mesh, evidence)
     for gear in {gear.part: gear for mesh in survey.meshes for gear in (mesh.one, mesh.two)}.values():
         on_axis = any(r.turns is not None and r.turns.same(gear.axis) for _, r in survey.around(gear.part))
         host = None if on_axis or gear.part in held else _host(survey, gear)
         if host is not None:
             a, b = sorted((gear.part, host))
             why = f"the gear '{survey.parts[gear.part].path}' turns about its own axis"
-            found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
+            evidence.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
 
 
 def _guide(survey: Survey, mesh: RackMesh) -> int | None:
@@ -90,29 +92,33 @@ def _on_axis(survey: Survey, part: int, axis: Axis) -> list[int]:
     return [other for other, r in survey.around(part) if r.turns is not None and r.turns.same(axis, SAME_GEAR)]
 
 
-def _free_from_hosts(survey: Survey, mesh: Mesh, found: Evidence) -> None:
+def _free_from_hosts(survey: Survey, mesh: Mesh, evidence: Evidence) -> None:
     """Add that each gear of a mesh moves relative to what the other one turns in, which would else be locked."""
     for gear, mate in ((mesh.one, mesh.two), (mesh.two, mesh.one)):
         for host in sorted(_hosts(survey, gear) - {mate.part}):
             a, b = sorted((host, mate.part))
             r = survey.relation(a, b)
-            found.apart.append(Apart(_APART, a, b))
+            evidence.apart.append(Apart(_APART, a, b))
             if r is not None and r.turns is not None and r.turns.same(mate.axis, SAME_GEAR):
-                found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, mate.axis, _TURNS_ON, r, review=_REVIEW_ON))
+                evidence.joint(
+                    JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, mate.axis, _TURNS_ON, r, review=_REVIEW_ON)
+                )
             s = survey.relation(host, gear.part)
             if s is not None and s.via == Via.BOLT and s.turns is not None and s.turns.same(gear.axis, SAME_GEAR):
                 a, b = sorted((host, gear.part))
-                found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, _ON_SCREW, s, review=_REVIEW_ON))
+                evidence.joint(
+                    JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, _ON_SCREW, s, review=_REVIEW_ON)
+                )
 
 
-def _fix_to_shafts(survey: Survey, found: Evidence) -> None:
-    turning = [h for h in found.joints if h.drives or h.through >= 0]
+def _fix_to_shafts(survey: Survey, evidence: Evidence) -> None:
+    turning = [h for h in evidence.joints if h.drives or h.through >= 0]
     for gear in survey.gears:
         for shaft, r in survey.around(gear.part):
             if not r.shafts or max(r.shafts, key=lambda fit: fit.length).shaft != shaft:
                 continue
             if any(shaft in (h.a, h.b) and gear.part not in (h.a, h.b) and h.axis.same(gear.axis) for h in turning):
-                found.weld(_KEYED, gear.part, shaft, "a gear on a shaft that turns")
+                evidence.weld(_KEYED, gear.part, shaft, "a gear on a shaft that turns")
 
 
 def _host(survey: Survey, gear: Gear) -> int | None:

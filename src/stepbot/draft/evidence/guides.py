@@ -55,7 +55,7 @@ _CENTRED = 0.05
 """Distance of a cross's centroid from where its axes intersect, as a share of its size, at most."""
 
 
-def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, structure: Structure | None) -> None:
+def captured_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence, structure: Structure | None) -> None:
     """Add a joint for each part that is captured in another: as a profile or guide, or in another subassembly.
 
     Args:
@@ -74,7 +74,7 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
         if structure is not None and structure.are_together(*pair):
             continue
         if _is_key(survey, pair, captured.axis):
-            found.weld(_KEYED, *pair, "a key between a shaft and what is around it")
+            evidence.weld(_KEYED, *pair, "a key between a shaft and what is around it")
             continue
         roles = {role for i in pair for role in survey.parts[i].roles}
         if Role.BEAM in roles and roles.isdisjoint((Role.SLIDE, Role.JAW)):
@@ -87,7 +87,7 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
             score = (_LOOSE if captured.has_play else _TIGHT) + _ACROSS * structure.are_across(*pair)
         why = "captured on four sides" + (" with clearance" if captured.has_play else "")
         relation = survey.relation(*pair)
-        found.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))
+        evidence.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))
 
 
 def _is_key(survey: Survey, pair: Pair, axis: Axis) -> bool:
@@ -117,30 +117,30 @@ def _share_screw(survey: Survey, pair: Pair) -> bool:
     return bool(near[0] & near[1])
 
 
-def guide_evidence(survey: Survey, found: Evidence) -> None:
+def guide_evidence(survey: Survey, evidence: Evidence) -> None:
     """A part with bores on two parallel rods of one body, not held along them, slides on them.
 
     So does one with linear bearings on two parallel rods, which are fixed in what else they fit.
     """
-    _slides_in_bearings(survey, found)
-    _slides_on_its_rods(survey, found)
+    _slides_in_bearings(survey, evidence)
+    _slides_on_its_rods(survey, evidence)
     for slide in on_rods(survey):
         for rod in slide.rods:
-            found.weld(_HELD_ROD, rod, slide.holder, "rod in its holder")
+            evidence.weld(_HELD_ROD, rod, slide.holder, "rod in its holder")
     for i in survey.parts:
         if i in survey.small:
             continue
         rods, screws = rods_in(survey, i)
         for screw in screws:
-            _turns_in_nut(found, i, screw)
+            _turns_in_nut(evidence, i, screw)
         for one, two, r in guided(survey, i, rods):
             assert r.axis is not None
             for rod in (one, two):
                 for holder, q in survey.around(rod):
                     if holder != i and q.via == Via.PIN and q.length <= _LONG_BORE * q.radius:
-                        found.weld(_HELD_ROD, rod, holder, "rod in its holder")
+                        evidence.weld(_HELD_ROD, rod, holder, "rod in its holder")
                 a, b = sorted((i, rod))
-                found.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, r.axis, "slides on two rods", r))
+                evidence.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, r.axis, "slides on two rods", r))
 
 
 def rods_in(survey: Survey, part: int) -> tuple[list[tuple[int, Relation]], list[int]]:
@@ -175,22 +175,22 @@ def _has_travel(survey: Survey, part: int, rod: int, r: Relation) -> bool:
     return bool(max(low.min() - start, end - high.max()) > _HEAD * r.radius)
 
 
-def _turns_in_nut(found: Evidence, nut: int, screw: int) -> None:
+def _turns_in_nut(evidence: Evidence, nut: int, screw: int) -> None:
     """Keep a rod that fits exactly in what slides on two others with play apart from it: it is drawn as its screw."""
     pair = {nut, screw}
-    for weld in found.welds:
+    for weld in evidence.welds:
         if {weld.a, weld.b} == pair:
             weld.score = min(weld.score, _IN_NUT)
-    for h in found.joints:
+    for h in evidence.joints:
         if {h.a, h.b} == pair:
             h.score = min(h.score, _IN_NUT)
-    found.apart.append(Apart(_SCREWED, min(pair), max(pair)))
+    evidence.apart.append(Apart(_SCREWED, min(pair), max(pair)))
 
 
-def _slides_in_bearings(survey: Survey, found: Evidence) -> None:
+def _slides_in_bearings(survey: Survey, evidence: Evidence) -> None:
     """Fix the rods of what has linear bearings on two parallel ones."""
     in_bearings: dict[int, list[JointEvidence]] = {}
-    for h in found.joints:
+    for h in evidence.joints:
         if h.type == JointKind.PRISMATIC and h.through >= 0:
             for i in (h.a, h.b):
                 in_bearings.setdefault(i, []).append(h)
@@ -199,13 +199,13 @@ def _slides_in_bearings(survey: Survey, found: Evidence) -> None:
         for one, two in combinations(rods, 2):
             axis = rods[one].axis
             if axis.is_along(rods[two].axis.d) and axis.distance(rods[two].axis.point) > _APART:
-                _hold_rods(survey, found, (one, two), {i, rods[one].through, rods[two].through})
+                _hold_rods(survey, evidence, (one, two), {i, rods[one].through, rods[two].through})
 
 
-def _slides_on_its_rods(survey: Survey, found: Evidence) -> None:
+def _slides_on_its_rods(survey: Survey, evidence: Evidence) -> None:
     """Make the joints of two parallel rods prismatic which are in bearings of one part, and both hold another one."""
     in_bearings: dict[int, dict[int, list[JointEvidence]]] = {}
-    for h in found.joints:
+    for h in evidence.joints:
         for rod, host in ((h.a, h.b), (h.b, h.a)) if h.type == JointKind.REVOLUTE and h.through >= 0 else ():
             if _is_shaft(survey, rod, h.axis):
                 in_bearings.setdefault(host, {}).setdefault(rod, []).append(h)
@@ -220,15 +220,15 @@ def _slides_on_its_rods(survey: Survey, found: Evidence) -> None:
                 h.type, h.review = JointKind.PRISMATIC, _REVIEW_RODS
             for rod in (one, two):
                 for holder in held:
-                    found.weld(_RODS, rod, holder, "rod in its holder")
+                    evidence.weld(_RODS, rod, holder, "rod in its holder")
 
 
-def _hold_rods(survey: Survey, found: Evidence, rods: Sequence[int], sliding: set[int]) -> None:
+def _hold_rods(survey: Survey, evidence: Evidence, rods: Sequence[int], sliding: set[int]) -> None:
     """Weld rods to the parts whose bores they fill, other than those that slide on them."""
     for rod in rods:
         for holder, r in survey.around(rod):
             if holder not in sliding and r.via == Via.PIN and Role.BEARING not in survey.parts[holder].roles:
-                found.weld(_HELD_ROD, rod, holder, "rod in its holder")
+                evidence.weld(_HELD_ROD, rod, holder, "rod in its holder")
 
 
 def _is_shaft(survey: Survey, part: int, axis: Axis) -> bool:
@@ -322,13 +322,13 @@ def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:
     return any(abs(float(p.normal @ axis.d)) > 0.99 for r in beside for p in r.patches)
 
 
-def screw_evidence(survey: Survey, found: Evidence) -> None:
+def screw_evidence(survey: Survey, evidence: Evidence) -> None:
     """A shaft that turns elsewhere, in a bore along a slide, is the screw of that slide: neither holds the other.
 
     So is one named a drive screw, or in a nut named one of a drive, which may turn by way of a coupling.
     """
-    slides = [h for h in found.joints if h.type == JointKind.PRISMATIC and h.score >= CHOSEN]
-    turns = [h for h in found.joints if h.type == JointKind.REVOLUTE and (h.by_role or h.drives)]
+    slides = [h for h in evidence.joints if h.type == JointKind.PRISMATIC and h.score >= CHOSEN]
+    turns = [h for h in evidence.joints if h.type == JointKind.REVOLUTE and (h.by_role or h.drives)]
     for (a, b), r in survey.pairs() if slides else ():
         if r.via != Via.PIN or r.axis is None or not any(h.axis.is_along(r.axis.d) for h in slides):
             continue
@@ -342,13 +342,13 @@ def screw_evidence(survey: Survey, found: Evidence) -> None:
         if _reaches_through(survey, screw, r) and Role.BEARING not in survey.parts[nut].roles and (held or is_named):
             for h in held:
                 h.priority = max(h.priority, Priority.NEEDED)  # it is no pin of what holds it
-            found.apart.append(Apart(_SCREWED, a, b))
-            for h in found.joints:
+            evidence.apart.append(Apart(_SCREWED, a, b))
+            for h in evidence.joints:
                 if (h.a, h.b) == (a, b):
                     h.score, h.why = min(h.score, _IN_NUT), "a shaft that turns, in what slides along it: its screw"
 
 
-def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> None:
+def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> None:
     """A small part that turns in two others about axes that intersect at a right angle is a universal joint's cross."""
     pins: dict[int, list[Relation]] = {}
     for (a, b), r in survey.pairs():
@@ -373,8 +373,8 @@ def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> Non
             a, b = sorted((i, moving.other(i)))
             axes = Axis(centre, moving.axis.d), Axis(centre, still.axis.d)
             why = "a cross with two axes at a right angle"
-            found.joint(JointEvidence(0.86, a, b, JointKind.UNIVERSAL, axes[0], why, moving, axes[1]))
-            found.weld(0.87, i, still.other(i), "cross of a universal joint")
+            evidence.joint(JointEvidence(0.86, a, b, JointKind.UNIVERSAL, axes[0], why, moving, axes[1]))
+            evidence.weld(0.87, i, still.other(i), "cross of a universal joint")
 
 
 def _crossing(r: Relation, s: Relation) -> np.ndarray | None:

@@ -61,11 +61,11 @@ _GUIDED = 3.0
 _TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
 
 
-def linkage_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
+def linkage_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add the joints of all linkages."""
     pivots, spaced = find_pivots(survey), list(spaced_pivots(survey))
     if pivots or spaced:
-        _Linkages(survey, motors, found, [*pivots, *held_by_faces(survey)], spaced).add()
+        _Linkages(survey, motors, evidence, [*pivots, *held_by_faces(survey)], spaced).add()
 
 
 class _Linkages:
@@ -73,11 +73,11 @@ class _Linkages:
         self,
         survey: Survey,
         motors: Sequence[Motor],
-        found: Evidence,
+        evidence: Evidence,
         pivots: Sequence[Pivot],
         spaced: Sequence[Pivot],
     ) -> None:
-        self._survey, self._found, self._spaced_pivots = survey, found, spaced
+        self._survey, self._evidence, self._spaced_pivots = survey, evidence, spaced
         self._on_rods = on_rods(survey)
         guides = {rod for one in self._on_rods for rod in one.rods}
         self._pivots = [pivot for pivot in pivots if guides.isdisjoint((*pivot.axles, *pivot.hosts))]
@@ -118,7 +118,7 @@ class _Linkages:
     def _say(self, group: Sequence[Hinge], tree: Sequence[Hinge], moving: Mobility) -> None:
         """Add the joints of one linkage."""
         turning, looped = moving.turning, moving.looped
-        self._found.apart.extend(Apart(_APART, a, b) for a, b in moving.apart)
+        self._evidence.apart.extend(Apart(_APART, a, b) for a, b in moving.apart)
         self._unite_twins(tree, moving)
         for n, h in enumerate(tree):
             if h.slides and n not in looped:
@@ -126,7 +126,7 @@ class _Linkages:
             if n in turning:
                 self._joint(h, len(turning), is_looped=n in looped)
             else:
-                self._found.weld(_LOCKED, h.a, h.b, "on one line of a loop that cannot move")
+                self._evidence.weld(_LOCKED, h.a, h.b, "on one line of a loop that cannot move")
         for h in group:
             if h.is_extra and any(tree[n].axis.same(h.axis) for n in turning):
                 self._joint(h, len(turning), is_looped=False)
@@ -138,11 +138,11 @@ class _Linkages:
         for a, b, axes in self._twins:
             body = self._bodies.find(a)
             if body in lines or sum(any(axis.same(one) for one in axes) for axis in turning.get(body, ())) > 1:
-                self._found.weld(_TWIN, a, b, _ON_TWO_LINES)
+                self._evidence.weld(_TWIN, a, b, _ON_TWO_LINES)
         for a, b in combinations(sorted(lines), 2):
             shared = sum(any(one.same(two) for two in lines[b]) for one in lines[a])
             if shared > 1 and (a, b) not in moving.apart:
-                self._found.weld(_TWIN, a, b, _ON_TWO_LINES)
+                self._evidence.weld(_TWIN, a, b, _ON_TWO_LINES)
 
     def _lines_of(self, tree: Sequence[Hinge], chosen: set[int]) -> dict[int, list[Axis]]:
         """The distinct lines of some hinges, by body."""
@@ -209,8 +209,8 @@ class _Linkages:
                 held = [r for r in survey.near.get(i, ()) if r.shafts and r.other(i) in pivot.hosts]
                 if i not in survey.small and Role.BEARING not in survey.parts[i].roles and held:
                     tightest = min(held, key=lambda r: (round(r.shafts[0].clearance, 7), -round(r.length, 6), r.a, r.b))
-                    self._found.weld(_AXLE_HELD, i, tightest.other(i), "a pin of a joint")
-                    self._found.pins.add(i)
+                    self._evidence.weld(_AXLE_HELD, i, tightest.other(i), "a pin of a joint")
+                    self._evidence.pins.add(i)
 
     def _joint(self, h: Hinge, count: int, *, is_looped: bool) -> None:
         survey = self._survey
@@ -224,10 +224,10 @@ class _Linkages:
         why += ", in a loop that moves" if is_looped else ""
         kind, relation = JointKind.PRISMATIC if h.slides else JointKind.REVOLUTE, survey.relation(a, b)
         review = _REVIEW_UNCERTAIN if h.is_uncertain else REVIEW
-        self._found.joint(JointEvidence(score, a, b, kind, h.axis, why, relation, review=review, of_linkage=True))
+        self._evidence.joint(JointEvidence(score, a, b, kind, h.axis, why, relation, review=review, of_linkage=True))
 
     def _unite_rigid(self) -> None:
-        for weld in self._found.welds:
+        for weld in self._evidence.welds:
             if weld.score >= _RIGID and weld.a in self._bodies and weld.b in self._bodies:
                 self._bodies.join(weld.a, weld.b)
         for (a, b), r in self._survey.pairs():

@@ -201,16 +201,16 @@ class _Side(Struct, frozen=True, eq=False):
         return self.is_seat or self.whole.holes >= 2 or self.whole.area > _BRUSH_AREA or self.whole.freedom.dof <= 1
 
 
-def motor_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
+def motor_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add the evidence of all motors."""
     axes = OutputAxes(survey, motors)
     for motor in motors:
-        _OneMotor(survey, motor, axes, found).say()
+        _OneMotor(survey, motor, axes, evidence).say()
 
 
 class _OneMotor:
-    def __init__(self, survey: Survey, motor: Motor, axes: OutputAxes, found: Evidence) -> None:
-        self._survey, self._motor, self._found = survey, motor, found
+    def __init__(self, survey: Survey, motor: Motor, axes: OutputAxes, evidence: Evidence) -> None:
+        self._survey, self._motor, self._evidence = survey, motor, evidence
         named = [i for i in motor.outputs if i not in survey.small]
         self._apart = apart_outputs(survey, motor)
         hidden = list(self._apart) or hidden_outputs(survey, motor)
@@ -225,28 +225,28 @@ class _OneMotor:
         motor, survey = self._motor, self._survey
         for output, others in self._apart.items():
             for i in others:
-                self._found.weld(0.96, output, i, f"parts of the output of '{motor.path}'")
+                self._evidence.weld(0.96, output, i, f"parts of the output of '{motor.path}'")
         for i in motor.parts:
             if i != motor.case and i not in self._anchors and i not in survey.small:
-                self._found.weld(0.96, motor.case, i, f"parts of the motor '{motor.path}'")
+                self._evidence.weld(0.96, motor.case, i, f"parts of the motor '{motor.path}'")
         if self._output is None:
             return
         sides = self._sides(self._output)
         driven = [side for side in sides if side.on_output]
         carrying = [side for side in sides if not side.on_output and side.is_held]
-        near = NearOutput(survey, motor, self._output.axis, self._outputs, self._found)
+        near = NearOutput(survey, motor, self._output.axis, self._outputs, self._evidence)
         held = {side.part for side in carrying} | near.holders({side.part for side in driven})
         hinge = near.hinge(held) if not driven else None
         if hinge is not None:
             self._joint(*hinge)
             for side in carrying:
-                self._found.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
+                self._evidence.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
             return
         score, why, review = 0.95, f"output of the motor '{motor.path}'", ""
         if not carrying:
             driven, carrying, score, review = self._split(driven)
         for side in carrying:
-            self._found.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
+            self._evidence.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
         if not driven:
             if carrying and self._outputs:
                 self._idle(why)
@@ -343,7 +343,7 @@ class _OneMotor:
             if o != turning[0]:
                 beside = self._survey.relation(turning[0], o) is not None
                 why = "an idler that carries nothing" if not beside else "on the output"
-                self._found.weld(0.5, turning[0] if beside else self._motor.case, o, why)
+                self._evidence.weld(0.5, turning[0] if beside else self._motor.case, o, why)
 
     def _drive(self, driven: list[_Side], score: float, why: str, review: str) -> None:
         """Parts that touch the output turn with it, and with the output's own part if there is one."""
@@ -355,7 +355,7 @@ class _OneMotor:
         for side in driven:
             mine = sorted(touched[side.part].intersection(self._outputs))
             for o in mine:
-                self._found.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.path}'")
+                self._evidence.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.path}'")
             if not mine:
                 self._joint(side.part, score, why, review or through(self._survey, self._motor, side.whole))
                 self._mount(side.part)
@@ -363,11 +363,11 @@ class _OneMotor:
             self._joint(o, score, why, review)
         for side in driven[1:] if not anchors and not self._outputs else ():
             if self._survey.relation(driven[0].part, side.part) is not None:
-                self._found.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.path}'")
+                self._evidence.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.path}'")
         for o in self._outputs:
             if o not in anchors:
                 beside = any(r.other(o) in anchors for r in self._survey.near.get(o, ()))
-                self._found.weld(
+                self._evidence.weld(
                     0.58, anchors[0] if beside else self._motor.case, o, "a horn or idler that carries nothing"
                 )
 
@@ -381,12 +381,12 @@ class _OneMotor:
         for other, r in survey.around(shaft):
             about = r.turns is not None and r.turns.same(self._output.axis, SAME_AXIS)
             if about and other not in self._motor.parts and survey.relation(case, other) is None:
-                self._found.weld(0.9, shaft, other, f"on the shaft of '{self._motor.path}'")
+                self._evidence.weld(0.9, shaft, other, f"on the shaft of '{self._motor.path}'")
 
     def _joint(self, part: int, score: float, why: str, review: str) -> None:
         assert self._output is not None
         motor = self._motor.path if self._motor.is_named else ""
-        self._found.joint(
+        self._evidence.joint(
             JointEvidence(
                 *(score, self._motor.case, part, JointKind.REVOLUTE, self._output.axis, why),
                 drives=True,

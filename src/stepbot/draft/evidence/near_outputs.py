@@ -120,8 +120,8 @@ def _is_boss(survey: Survey, fit: Fit) -> bool:
 class NearOutput:
     """What is nearly on the output of one motor."""
 
-    def __init__(self, survey: Survey, motor: Motor, axis: Axis, outputs: Sequence[int], found: Evidence) -> None:
-        self._survey, self._motor, self._axis, self._outputs, self._found = survey, motor, axis, outputs, found
+    def __init__(self, survey: Survey, motor: Motor, axis: Axis, outputs: Sequence[int], evidence: Evidence) -> None:
+        self._survey, self._motor, self._axis, self._outputs, self._evidence = survey, motor, axis, outputs, evidence
 
     def holders(self, known: set[int]) -> set[int]:
         """The parts that have several holes nearly in line with those of a named motor: they carry it."""
@@ -132,7 +132,7 @@ class NearOutput:
         held = {part for part, axes in lines.items() if sum(1 for axis in axes if not self._is_output(axis)) > 1}
         for part in sorted(held):
             why = f"holes nearly in line with those of the motor '{self._motor.path}'"
-            self._found.weld(_NEARLY_HELD, self._motor.case, part, why, holds_motor=True)
+            self._evidence.weld(_NEARLY_HELD, self._motor.case, part, why, holds_motor=True)
         return held
 
     def _lines_beside(self) -> Iterator[tuple[int, Axis]]:
@@ -174,7 +174,7 @@ class NearOutput:
     def _on_output(self, part: int, score: float, review: str) -> tuple[int, float, str, str]:
         anchor = self._outputs[0] if self._outputs else part
         if anchor != part:
-            self._found.weld(_NEARLY_HELD, anchor, part, f"nearly on the output of '{self._motor.path}'")
+            self._evidence.weld(_NEARLY_HELD, anchor, part, f"nearly on the output of '{self._motor.path}'")
         return anchor, score, f"nearly on the output of the motor '{self._motor.path}'", review
 
     def _on_output_line(self, held: set[int]) -> dict[int, list[tuple[float, float]]]:

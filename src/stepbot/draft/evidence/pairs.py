@@ -62,13 +62,13 @@ _EXACT = 1e-6
 class PairEvidence:
     """Adds the evidence of pairs of larger parts, except within one motor."""
 
-    def __init__(self, survey: Survey, structure: Structure, found: Evidence) -> None:
-        self._survey, self._structure, self._found = survey, structure, found
-        self._pivots = found.mechanisms
+    def __init__(self, survey: Survey, structure: Structure, evidence: Evidence) -> None:
+        self._survey, self._structure, self._evidence = survey, structure, evidence
+        self._pivots = evidence.mechanisms
         """Pairs that a linkage needs to turn: an exact fit does not tell."""
         self._draws_play = any(relation.journals for _, relation in survey.pairs())
-        strong = [{w.a, w.b} for w in found.welds if w.score >= _FASTENED]
-        drives = [h for h in found.joints if h.drives]
+        strong = [{w.a, w.b} for w in evidence.welds if w.score >= _FASTENED]
+        drives = [h for h in evidence.joints if h.drives]
         fastened = {i: {i}.union(*(pair for pair in strong if i in pair)) for h in drives for i in (h.a, h.b)}
         self._driven = [(h.axis, fastened[h.a], fastened[h.b]) for h in drives]
         """Axes of motors; their cases and outputs, each with what is fastened to it, such as a coupling."""
@@ -116,7 +116,9 @@ class PairEvidence:
         if len(shafts) == 1 and all(abs(float(patch.normal @ shafts[0].axis.d)) > _OPPOSITE for patch in r.patches):
             fit, score = shafts[0], _NEAR_ACROSS if self._across(r) else _NEAR
             why = f"shaft of r {_mm(fit.radius)} in a bore, {_mm(fit.offset)} off its axis"
-            self._found.joint(JointEvidence(score, r.a, r.b, JointKind.REVOLUTE, fit.axis, why, r, review=_REVIEW_NEAR))
+            self._evidence.joint(
+                JointEvidence(score, r.a, r.b, JointKind.REVOLUTE, fit.axis, why, r, review=_REVIEW_NEAR)
+            )
 
     def _in_slot(self, r: Relation) -> None:
         """Offer a slide of a block on a pin between two faces, across the pin: a loop may need it."""
@@ -129,7 +131,7 @@ class PairEvidence:
                 if s is not r and s.via == Via.PIN and s.axis is not None and abs(float(s.axis.d @ normal)) < _ACROSS:
                     along = Axis(self._survey.parts[block].com, unit(cross(normal, s.axis.d)))
                     why = "between two faces, across its pin"
-                    self._found.joint(JointEvidence(_SLOT, r.a, r.b, JointKind.PRISMATIC, along, why, r))
+                    self._evidence.joint(JointEvidence(_SLOT, r.a, r.b, JointKind.PRISMATIC, along, why, r))
                     return
 
     def _ball(self, r: Relation) -> None:
@@ -140,7 +142,7 @@ class PairEvidence:
         self._joint(r, score, JointKind.BALL, f"ball of r {_mm(r.radius)} in a socket")
         for ball in (r.a, r.b):
             for other in self._bolted_through(ball, r):
-                self._found.weld(_BORED, ball, other, "a ball, and what is bolted through it or holds its stud")
+                self._evidence.weld(_BORED, ball, other, "a ball, and what is bolted through it or holds its stud")
 
     def _bolted_through(self, ball: int, socket: Relation) -> set[int]:
         """The larger parts that a shaft or screw through the middle of a ball is, or is in, or that hold its stud.
@@ -196,7 +198,7 @@ class PairEvidence:
             score -= 0.1
         if self._is_electric(r) or Role.SEAL in roles:
             score -= 0.3
-        if not self._found.pins.isdisjoint((r.a, r.b)):
+        if not self._evidence.pins.isdisjoint((r.a, r.b)):
             score = min(score, _OF_LINKAGE)
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
@@ -221,7 +223,7 @@ class PairEvidence:
         turns about the line in a linkage: there the fit does not tell.
         """
         parts, pair = self._survey.parts, (r.a, r.b)
-        if r.axis is None or any(Role.BEARING in parts[i].roles for i in pair) or self._found.links_on(r.axis, pair):
+        if r.axis is None or any(Role.BEARING in parts[i].roles for i in pair) or self._evidence.links_on(r.axis, pair):
             return False
         if self._is_in_coupling(r, r.axis) or self._is_on_spindle(r, r.axis):
             return True
@@ -322,14 +324,14 @@ class PairEvidence:
         return Role.ELECTRIC in (self._survey.parts[r.a].role, self._survey.parts[r.b].role)
 
     def _weld(self, r: Relation, score: float, why: str) -> None:
-        self._found.weld(score, r.a, r.b, why)
+        self._evidence.weld(score, r.a, r.b, why)
 
     def _joint(self, r: Relation, score: float, kind: JointKind, why: str, review: str = "") -> None:
         assert r.axis is not None
-        self._found.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r, review=review))
+        self._evidence.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r, review=review))
 
 
-def screwed_evidence(survey: Survey, found: Evidence) -> None:
+def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
     """Two parts that do not touch, with several screws through both, are one: spacers are between them."""
     through: dict[tuple[int, int], list[Axis]] = defaultdict(list)
     for screw in sorted(survey.small):
@@ -339,13 +341,13 @@ def screwed_evidence(survey: Survey, found: Evidence) -> None:
                 through[a, b].append(axes[a])
     for (a, b), lines in through.items():
         if len(lines) > 1 and survey.relation(a, b) is None:
-            found.weld(_SCREWED, a, b, f"{len(lines)} screws through both, with a gap between them")
+            evidence.weld(_SCREWED, a, b, f"{len(lines)} screws through both, with a gap between them")
 
 
-def several_axes(structure: Structure, found: Evidence) -> None:
+def several_axes(structure: Structure, evidence: Evidence) -> None:
     """Two subassemblies that meet on several axes turn about none: four posts, two misaligned hinges."""
     between: dict[tuple[int, int], list[JointEvidence]] = {}
-    for h in found.joints:
+    for h in evidence.joints:
         one, two = structure.link_of.get(h.a), structure.link_of.get(h.b)
         plain = h.type == JointKind.REVOLUTE and h.relation is not None
         if one is None or two is None or one == two or not plain or h.by_role or h.score < 0.5:
@@ -358,7 +360,7 @@ def several_axes(structure: Structure, found: Evidence) -> None:
         if apart:
             for h in hinges:
                 h.score = min(h.score, 0.45)
-                found.weld(0.74, h.a, h.b, "several axes between two subassemblies")
+                evidence.weld(0.74, h.a, h.b, "several axes between two subassemblies")
 
 
 def _is_telescope(r: Relation) -> bool:

@@ -181,7 +181,7 @@ def _is_ring(survey: Survey, i: int, axis: Axis) -> bool:
     return bool(bores) and max(ends) < _RING * max(bores)
 
 
-def knuckle_evidence(survey: Survey, found: Evidence) -> None:
+def knuckle_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add a joint for each pair of parts with knuckles on one line, and on no other."""
     for line in survey.contacts.lines:
         parts = {i for i in line.faces if i not in survey.small and survey.parts[i].volume > 0.0}
@@ -197,7 +197,7 @@ def knuckle_evidence(survey: Survey, found: Evidence) -> None:
             axis = Axis(line.axis.point + line.axis.d * middle, line.axis.d)
             relation = survey.relation(a, b)
             why = "knuckles that alternate on one line"
-            found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, axis, why, relation, review=_REVIEW))
+            evidence.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, axis, why, relation, review=_REVIEW))
 
 
 def _alternations(line: CoaxialLine, a: int, b: int) -> int:

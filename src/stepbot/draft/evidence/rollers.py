@@ -53,7 +53,7 @@ class _Roller(Struct, frozen=True, eq=False):
     volume: float
 
 
-def roller_evidence(survey: Survey, found: Evidence) -> None:
+def roller_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add the joints of all patterns of rollers, and their hubs as wheels."""
     free = [roller for i in survey.parts if (roller := _roller(survey, i)) is not None]
     taken: set[int] = set()
@@ -73,7 +73,7 @@ def roller_evidence(survey: Survey, found: Evidence) -> None:
                     continue
                 taken.update(roller.part for roller in rollers)
                 pinned += [roller.axis for roller in rollers]
-                found.wheels[hub] = axis
+                evidence.wheels[hub] = axis
                 why = f"one of {len(rollers)} equal rollers around '{survey.parts[hub].path}'"
                 for roller in rollers:
                     a, b = sorted((hub, roller.part))
@@ -81,13 +81,13 @@ def roller_evidence(survey: Survey, found: Evidence) -> None:
                         0.6, a, b, JointKind.REVOLUTE, roller.axis, why, of_roller=True, review=BY_SHAPE
                     )
                     hinge.priority = Priority.NEEDED
-                    found.joint(hinge)
+                    evidence.joint(hinge)
 
 
-def rail_evidence(survey: Survey, found: Evidence) -> None:
+def rail_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add a slide for each body whose wheels run on both sides of another one, longer than their row."""
     carried: dict[int, dict[int, Axis]] = defaultdict(dict)
-    for h in found.joints:
+    for h in evidence.joints:
         if h.type == JointKind.REVOLUTE and h.score >= CHOSEN:
             for wheel, carriage in ((h.a, h.b), (h.b, h.a)):
                 if survey.parts[wheel].is_balanced(h.axis, TREAD) and not survey.parts[carriage].is_balanced(h.axis):
@@ -101,8 +101,8 @@ def rail_evidence(survey: Survey, found: Evidence) -> None:
             if along is not None:
                 a, b = sorted((carriage, rail))
                 why = f"{len(wheels)} wheels on both sides of a rail"
-                found.joint(JointEvidence(_ON_RAIL, a, b, JointKind.PRISMATIC, along, why, review=REVIEW))
-                found.apart.extend(Apart(_OFF_RAIL, min(rail, i), max(rail, i)) for i in wheels)
+                evidence.joint(JointEvidence(_ON_RAIL, a, b, JointKind.PRISMATIC, along, why, review=REVIEW))
+                evidence.apart.extend(Apart(_OFF_RAIL, min(rail, i), max(rail, i)) for i in wheels)
 
 
 def _runs_along(survey: Survey, rail: int, wheels: Mapping[int, Axis]) -> Axis | None:

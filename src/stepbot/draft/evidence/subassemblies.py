@@ -53,7 +53,7 @@ class Structure:
         """The roles in the name of a part's subassembly."""
         return self._survey.node_roles(self.link_of[part]) if part in self.link_of else set()
 
-    def welds(self, found: Evidence) -> None:
+    def welds(self, evidence: Evidence) -> None:
         """Add evidence that the parts of each such subassembly are one, but for wheels that nothing else touches.
 
         Pieces that do not touch each other are held together by others, which may move: that is weaker evidence.
@@ -71,9 +71,9 @@ class Structure:
                 near = min(island, key=lambda i: (i != first, i))
                 for i in island:
                     if i != near:
-                        found.weld(_TOGETHER, near, i, why)
+                        evidence.weld(_TOGETHER, near, i, why)
                 if near != first:
-                    found.weld(_APART, first, near, why)
+                    evidence.weld(_APART, first, near, why)
 
     def _top(self) -> int:
         """The highest component with more than one child."""
@@ -170,14 +170,14 @@ def is_guide(survey: Survey, a: int, b: int) -> bool:
     return bool(holds_a - holds_b) and bool(holds_b - holds_a)
 
 
-def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence) -> None:
+def body_welds(survey: Survey, motors: Sequence[Sequence[int]], evidence: Evidence) -> None:
     """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn.
 
     Where others are equal to it, as in limbs, the product is no list of what was drawn together: its bodies are one
     also if they do not touch.
     """
     in_motor = {i for parts in motors for i in parts}
-    moving = {(h.a, h.b) for h in found.joints if h.score >= _MOVING}
+    moving = {(h.a, h.b) for h in evidence.joints if h.score >= _MOVING}
     assembly = survey.assembly
     products: dict[int, list[int]] = {}
     for c in assembly.components:
@@ -195,6 +195,6 @@ def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence)
         islands = survey.islands(bodies)
         for island in islands:
             for i in island[1:]:
-                found.weld(0.97, island[0], i, f"bodies of one part '{assembly.components[index].path}'")
+                evidence.weld(0.97, island[0], i, f"bodies of one part '{assembly.components[index].path}'")
         for island in islands[1:] if uses[kinds[index]] > 1 else ():
-            found.weld(_APART, islands[0][0], island[0], f"bodies of one of {uses[kinds[index]]} equal parts")
+            evidence.weld(_APART, islands[0][0], island[0], f"bodies of one of {uses[kinds[index]]} equal parts")

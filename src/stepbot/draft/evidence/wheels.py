@@ -65,14 +65,14 @@ def is_wheel(survey: Survey, known: Collection[int], members: Sequence[int], axi
     return any(part.index in known and part.is_balanced(axis, TREAD) for part in parts)
 
 
-def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
+def wheel_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add a joint for each wheel that is held about its axis alone by what is not turned about it."""
-    driven = {h.b for h in found.joints if h.drives} | {i for motor in motors for i in motor.parts}
+    driven = {h.b for h in evidence.joints if h.drives} | {i for motor in motors for i in motor.parts}
     of, hinges = wheels(survey), defaultdict(list)
-    found.rolling = of
+    evidence.rolling = of
     for i, axis in of.items():
         if (rim := _rim_of(survey, i, axis)) is not None:
-            found.weld(_TYRE, i, rim, "a tyre on its rim")
+            evidence.weld(_TYRE, i, rim, "a tyre on its rim")
         for other, r in _held_by(survey, i, axis) if i not in driven else ():
             part = survey.parts[other]
             if other not in of and not part.is_balanced(axis, TREAD) and _turns_about(r, axis):
@@ -83,10 +83,10 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
         several = any(not h.axis.is_along(on_host[0].axis.d) for h in on_host)
         for h in on_host:
             h.of_roller = several and len(on_host) >= _ROLLERS
-            found.joint(h)
+            evidence.joint(h)
     for host, (h, *others) in hinges.items():
         if not others and (swivel := _swivel(survey, host, h.axis)) is not None:
-            found.joint(swivel)
+            evidence.joint(swivel)
 
 
 def _swivel(survey: Survey, fork: int, wheel: Axis) -> JointEvidence | None:

@@ -51,18 +51,18 @@ class Assignment(Struct, eq=False):
 
 
 def assign(
-    described: Skeleton, placement: Placement, assembly: Assembly, found: Inferred, surfaces: Surfaces
+    described: Skeleton, placement: Placement, assembly: Assembly, inferred: Inferred, surfaces: Surfaces
 ) -> Assignment:
     """Assign every component with a body to a described link."""
-    return _Assigning(described, placement, assembly, found, surfaces).made()
+    return _Assigning(described, placement, assembly, inferred, surfaces).made()
 
 
 class _Assigning:
     def __init__(
-        self, described: Skeleton, placement: Placement, assembly: Assembly, found: Inferred, surfaces: Surfaces
+        self, described: Skeleton, placement: Placement, assembly: Assembly, inferred: Inferred, surfaces: Surfaces
     ) -> None:
-        self._described, self._placement, self._found, self._surfaces = described, placement, found, surfaces
-        self._parts = found.survey.parts
+        self._described, self._placement, self._inferred, self._surfaces = described, placement, inferred, surfaces
+        self._parts = inferred.survey.parts
         self._group_of = described.rigid_groups()
         self._assembly = assembly
         self._result = Assignment()
@@ -70,7 +70,7 @@ class _Assigning:
     def made(self) -> Assignment:
         self._recognize()
         groups = self._groups_of_clusters()
-        for n, members in enumerate(self._found.links):
+        for n, members in enumerate(self._inferred.links):
             for i in members:
                 if i not in self._result.link_of:
                     self._settle(i, n, groups.get(n))
@@ -101,7 +101,7 @@ class _Assigning:
         """For inferred links the rigid group with most of their recognized volume, else the one with their axes."""
         found = {}
         incident = self._incident()
-        for n, members in enumerate(self._found.links):
+        for n, members in enumerate(self._inferred.links):
             volumes: dict[str, float] = defaultdict(float)
             for i in members:
                 if i in self._result.recognized:
@@ -127,7 +127,9 @@ class _Assigning:
 
     def _by_axes(self, n: int, incident: Mapping[str, Mapping[str, Axis]]) -> str | None:
         """The group whose joints are on the axes of an inferred link; of several the one with its centre of mass."""
-        own = [arc for arc in self._found.arcs if n in (arc.parent, arc.child) and arc.evidence.type != JointKind.FIXED]
+        own = [
+            arc for arc in self._inferred.arcs if n in (arc.parent, arc.child) and arc.evidence.type != JointKind.FIXED
+        ]
         best = None
         for group, axes in incident.items():
             common = sum(any(_is_on(arc, axis, self._kind(child)) for arc in own) for child, axis in axes.items())
@@ -146,10 +148,10 @@ class _Assigning:
         if not mass:
             return 0.5
         coms = [link.inertial.mass * self._placement.poses[link.name].apply(link.inertial.com) for link in links]
-        return float(np.linalg.norm(np.sum(coms, axis=0) / mass - self._centre(n))) / self._found.survey.extent
+        return float(np.linalg.norm(np.sum(coms, axis=0) / mass - self._centre(n))) / self._inferred.survey.extent
 
     def _centre(self, n: int) -> Array:
-        members = self._found.links[n]
+        members = self._inferred.links[n]
         weights = np.array([self._parts[i].volume + 1e-15 for i in members])
         return np.asarray(weights @ np.array([self._parts[i].com for i in members]) / weights.sum())
 
@@ -184,12 +186,12 @@ class _Assigning:
 
     def _is_sure(self, n: int, group: str) -> bool:
         """Whether an inferred link without guesses has the described centre of mass."""
-        members = self._found.links[n]
-        if any(i in self._found.guesses for i in members):
+        members = self._inferred.links[n]
+        if any(i in self._inferred.guesses for i in members):
             return False
         if any(i in self._result.recognized for i in members):
             return True
-        return self._apart(n, group) * self._found.survey.extent < _CENTRE * self._found.survey.size_of(members)
+        return self._apart(n, group) * self._inferred.survey.extent < _CENTRE * self._inferred.survey.size_of(members)
 
     def _inside(self, i: int) -> list[str]:
         """Links whose bounding box contains a component."""

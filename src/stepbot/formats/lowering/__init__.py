@@ -50,7 +50,7 @@ class _Handling(Struct, frozen=True):
     """Removes the feature, for formats that cannot express it; ``rewrite`` if None."""
 
 
-def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = None) -> Robot:
+def lower(robot: Robot, written: Format, diagnostics: Diagnostics, file: str | None = None) -> Robot:
     """The robot as the format expresses it; rewritten or removed features are reported, once each.
 
     Args:
@@ -61,21 +61,23 @@ def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = 
     if reserved:
         support = written.expresses[Feature.RESERVED_NAME]
         code = f"{support.code}:{Feature.RESERVED_NAME.word}"
-        found.add(code, f"{written.title}: {support.how}: {', '.join(reserved)}", span)
+        diagnostics.add(code, f"{written.title}: {support.how}: {', '.join(reserved)}", span)
     if written.version_of(robot) >= written.expresses[Feature.ACCELERATION].exact_from:
-        robot = _accelerated(robot, written, found, span)
+        robot = _accelerated(robot, written, diagnostics, span)
     for feature, handling in _HANDLINGS.items():
         support = written.expresses[feature]
         exact = support.level is Level.EXACT or written.version_of(robot) >= support.exact_from
         affected = [] if exact else handling.affected(robot)
         if affected:
-            found.add(f"{support.code}:{feature.word}", f"{written.title}: {support.how}: {', '.join(affected)}", span)
+            diagnostics.add(
+                f"{support.code}:{feature.word}", f"{written.title}: {support.how}: {', '.join(affected)}", span
+            )
             left_out = support.level is Level.REPORTED and handling.leave_out is not None
             robot = handling.leave_out(robot) if left_out and handling.leave_out else handling.rewrite(robot)
     return robot
 
 
-def _accelerated(robot: Robot, written: Format, found: Diagnostics, span: Span) -> Robot:
+def _accelerated(robot: Robot, written: Format, diagnostics: Diagnostics, span: Span) -> Robot:
     """The robot with the accelerations that its efforts allow, where it has an effort and states none."""
     from stepbot.robot.datasheet import with_accelerations
 
@@ -83,7 +85,7 @@ def _accelerated(robot: Robot, written: Format, found: Diagnostics, span: Span) 
     added = [f"'{a.name}'" for a, b in zip(limited.joints, robot.joints, strict=True) if a.limit != b.limit]
     if added:
         how = "these joints have the acceleration that their efforts allow in the worst posture as a limit"
-        found.add(f"SB763:{Feature.ACCELERATION.word}", f"{written.title}: {how}: {', '.join(added)}", span)
+        diagnostics.add(f"SB763:{Feature.ACCELERATION.word}", f"{written.title}: {how}: {', '.join(added)}", span)
     return limited
 
 

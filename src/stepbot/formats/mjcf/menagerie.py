@@ -44,7 +44,7 @@ def menagerie_files(robot: Robot, written: Mapping[str, bytes]) -> dict[str, byt
     return found | {"CHANGELOG.md": _changelog(robot).encode()}
 
 
-def report_missing_license(robot: Robot, found: Diagnostics) -> None:
+def report_missing_license(robot: Robot, diagnostics: Diagnostics) -> None:
     """Report that there is no text of the robot's licence (SB643)."""
     stated, holder = robot.metadata.license, robot.metadata.maintainer
     if _license(robot):
@@ -59,7 +59,7 @@ def report_missing_license(robot: Robot, found: Diagnostics) -> None:
         "in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: Apache-2.0}`",
         f"stepbot has the texts of {', '.join(_LICENSES)}; put another one into the folder as LICENSE",
     ]
-    found.add("SB643", what, Span(_LICENSE), help=help)
+    diagnostics.add("SB643", what, Span(_LICENSE), help=help)
 
 
 def _license(robot: Robot) -> str:

@@ -58,13 +58,13 @@ def srdf(
     return document(top)
 
 
-def report_guesses(robot: Robot, found: Diagnostics) -> None:
+def report_guesses(robot: Robot, diagnostics: Diagnostics) -> None:
     """Report grippers that are known by their names alone (SB642)."""
     _, grippers = groups(robot)
     for gripper in (one for one in grippers if one.is_by_name):
         (jaw,) = gripper.joints
         message = f"joint '{jaw.name}' is taken as a gripper by its name: group '{gripper.name}' of MoveIt"
-        found.add("SB642", message, Span(f"{robot.name}.srdf"))
+        diagnostics.add("SB642", message, Span(f"{robot.name}.srdf"))
 
 
 def _groups(top: Element, robot: Robot) -> None:

@@ -42,13 +42,13 @@ class Task(Struct, frozen=True):
     """Variant of the sidecar; empty for the sidecar as it is."""
 
 
-def plan(sidecars: Sequence[Path], output: Path, found: Diagnostics) -> list[Task]:
+def plan(sidecars: Sequence[Path], output: Path, diagnostics: Diagnostics) -> list[Task]:
     """A task for each sidecar and each of its variants; robots of one name are prefixed with their sidecar's folder.
 
     Args:
         sidecars: Without duplicates.
         output: Receives one folder per robot; or a template of these folders, with ``{name}`` in it, as for `uptodate`.
-        found: Receives SB008 if two robots would write to the same place.
+        diagnostics: Receives SB008 if two robots would write to the same place.
 
     Raises:
         ValueError: The template has another placeholder than ``{name}`` and ``{folder}``.
@@ -70,7 +70,7 @@ def plan(sidecars: Sequence[Path], output: Path, found: Diagnostics) -> list[Tas
                 whose = f"variant '{of}' of '{other.as_posix()}'" if of else f"'{other.as_posix()}'"
                 message = f"{whose} has the same name '{name}' and output folder"
                 help = ["rename one of the sidecars or its folder"]
-                found.add("SB008", message, Span(sidecar.as_posix()), help=help)
+                diagnostics.add("SB008", message, Span(sidecar.as_posix()), help=help)
                 break
     return [
         Task(name, sidecar, folder, variant)
@@ -229,16 +229,16 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
     """A robot's input as bytes; or the errors of the sidecar."""
     from stepbot.pipeline.stages import step_of
 
-    found = Diagnostics()
-    step = step_of(task.sidecar, options, found)
+    diagnostics = Diagnostics()
+    step = step_of(task.sidecar, options, diagnostics)
     if step is None:
-        return Work({}, tuple(found))
+        return Work({}, tuple(diagnostics))
     try:
         text = read_regular(task.sidecar)
         files = {name: read_regular(path) for name, path in input_files(step).items()}
     except OSError as error:
-        found.add("SB001", f"cannot be read: {error.strerror or error}", Span(str(error.filename)))
-        return Work({}, tuple(found))
+        diagnostics.add("SB001", f"cannot be read: {error.strerror or error}", Span(str(error.filename)))
+        return Work({}, tuple(diagnostics))
     geometry = combined_digest({name: bytes_digest(content) for name, content in files.items()})
     assert geometry is not None  # the first file was read
     key = conversion_key(task.sidecar, sidecar_digest(task.sidecar, options.variant), step, geometry, options)
@@ -250,19 +250,22 @@ def _result(future: "Future[Work]", task: Task) -> Work:
     try:
         return future.result()
     except (WorkerDied, RemoteError) as error:
-        found = failure_of(task.sidecar, error)
+        diagnostics = failure_of(task.sidecar, error)
     except Exception as error:  # noqa: BLE001 - executors raise what they like, the other robots go on
-        found, (first, *_) = Diagnostics(), (*str(error).splitlines(), "")
-        found.add("SB901", f"internal error: {type(error).__name__}: {first}", Span(task.sidecar.as_posix()))
-    return Work({}, tuple(found))
+        diagnostics, (first, *_) = Diagnostics(), (*str(error).splitlines(), "")
+        diagnostics.add("SB901", f"internal error: {type(error).__name__}: {first}", Span(task.sidecar.as_posix()))
+    return Work({}, tuple(diagnostics))
 
 
 def _finished(task: Task, work: Work, state: State, began: float) -> Outcome:
-    found = Diagnostics()
-    found.extend(work.diagnostics)
-    if not write(Conversion(found, files=work.files), task.output, task.sidecar).files and not found.has_errors:
+    diagnostics = Diagnostics()
+    diagnostics.extend(work.diagnostics)
+    if (
+        not write(Conversion(diagnostics, files=work.files), task.output, task.sidecar).files
+        and not diagnostics.has_errors
+    ):
         raise AssertionError(f"{task.name}: no files, and no error that states why")
-    if not found.has_errors:
+    if not diagnostics.has_errors:
         state.finish(task, work)
-    status = Status.FAILED if found.has_errors else Status.CONVERTED
-    return Outcome(task, status, found, len(work.files), time.monotonic() - began)
+    status = Status.FAILED if diagnostics.has_errors else Status.CONVERTED
+    return Outcome(task, status, diagnostics, len(work.files), time.monotonic() - began)

@@ -193,10 +193,12 @@ def carry_out(sidecar: Path, options: Options) -> Work:
 def carry_out_parcel(parcel: Parcel) -> Work:
     """Convert a robot that was sent as bytes; messages use the user's file names."""
     if parcel.version != __version__:
-        found = Diagnostics()
+        diagnostics = Diagnostics()
         message = f"version mismatch: worker has stepbot {__version__}, client has {parcel.version}"
-        found.add("SB009", message, Span(parcel.sidecar), help=["install the same version of stepbot on all machines"])
-        return Work({}, tuple(found))
+        diagnostics.add(
+            "SB009", message, Span(parcel.sidecar), help=["install the same version of stepbot on all machines"]
+        )
+        return Work({}, tuple(diagnostics))
     from stepbot.pipeline import stages as pipeline
 
     with TemporaryDirectory(dir=run_folder()) as folder:

@@ -39,12 +39,12 @@ _SHOWN = 40
 """Maximum length of a name in a note."""
 
 
-def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) -> str | None:
+def check_encoding(data: Text, declared: str, place: str, diagnostics: Diagnostics) -> str | None:
     """The encoding of a file: ``ascii``, ``utf-8``, the declared one, or empty if unknown.
 
     Args:
         declared: Code page declared by the user; empty for none.
-        found: Receives SB210 if the encoding is unknown or the file contradicts the declaration.
+        diagnostics: Receives SB210 if the encoding is unknown or the file contradicts the declaration.
 
     Returns:
         None, with the error SB224 in ``found``, if the declared code page cannot decode the file's bytes.
@@ -54,14 +54,14 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
         return "ascii"
     not_utf8 = next((offset for offset, run in _non_ascii_runs(data) if not _is_utf8(run)), None)
     if declared and declared != "utf-8":
-        return _check_declared(data, declared, not_utf8 is None, place, found)
+        return _check_declared(data, declared, not_utf8 is None, place, diagnostics)
     if not_utf8 is None:
         return "utf-8"
     span = Span(place, line_of(data, not_utf8), 1)
     if declared:
-        _refuse(data, declared, not_utf8, span, found)
+        _refuse(data, declared, not_utf8, span, diagnostics)
         return None
-    found.add(
+    diagnostics.add(
         "SB210",
         f"names are neither ASCII nor UTF-8; decoded as Western European ({FALLBACK})",
         span,
@@ -75,14 +75,14 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
     return ""
 
 
-def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found: Diagnostics) -> str | None:
+def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, diagnostics: Diagnostics) -> str | None:
     strange = _strange(data, declared)
     if strange is not None:
-        _refuse(data, declared, strange, Span(place, line_of(data, strange), 1), found)
+        _refuse(data, declared, strange, Span(place, line_of(data, strange), 1), diagnostics)
         return None
     if is_utf8:
         offset, _ = next(_non_ascii_runs(data))
-        found.add(
+        diagnostics.add(
             "SB210",
             f"names are read as {declared}, as declared, but they are valid UTF-8",
             Span(place, line_of(data, offset), 1),
@@ -139,9 +139,9 @@ def lines_of(data: Text, offsets: Iterable[int]) -> dict[int, int]:
     return lines
 
 
-def _refuse(data: Text, declared: str, offset: int, span: Span, found: Diagnostics) -> None:
+def _refuse(data: Text, declared: str, offset: int, span: Span, diagnostics: Diagnostics) -> None:
     byte = bytes(data[offset : offset + 1]).hex()
-    found.add(
+    diagnostics.add(
         "SB224",
         f"names are not valid in the declared encoding {declared}: byte 0x{byte}",
         span,

@@ -49,7 +49,7 @@ class StepFile(Struct, frozen=True):
     links: tuple[Link, ...] = ()
 
 
-def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") -> tuple[StepFile, ...] | None:
+def check_files(step: Path, place: str, diagnostics: Diagnostics, encoding: str = "") -> tuple[StepFile, ...] | None:
     """Check an assembly's files, the main one first; None, with errors in ``found``, if one is not a STEP file.
 
     A reference that cannot be followed is a link without a file: whether its product needs that file is decided later.
@@ -62,7 +62,7 @@ def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") 
 
     def references(path: Path, name: PurePosixPath) -> Sequence[ExternalReference]:
         own = place if path == step else str(Path(place).parent / name)
-        checked[path] = part21 = check_step(path, own, found, encoding)
+        checked[path] = part21 = check_step(path, own, diagnostics, encoding)
         return part21.references if part21 is not None else ()
 
     files = []

@@ -139,7 +139,7 @@ class _Statements:
         return int(np.searchsorted(self._line_ends, statement.start)) + 1
 
 
-def check_numbers(path: Path, place: str, found: Diagnostics) -> bool:
+def check_numbers(path: Path, place: str, diagnostics: Diagnostics) -> bool:
     """Whether every entity has a number of its own (else SB221); to be called before the kernel reads the file.
 
     On duplicate numbers the kernel occasionally does not terminate (StepData_StepReaderData::SetEntityNumbers, OCCT
@@ -147,15 +147,15 @@ def check_numbers(path: Path, place: str, found: Diagnostics) -> bool:
     """
     statements = _Statements(path, None)
     faults = [_duplicate(one, statements) for one in duplicates(statements.data)]
-    _report("SB221", "the file has syntax errors", faults, place, found)
+    _report("SB221", "the file has syntax errors", faults, place, diagnostics)
     return not faults
 
 
-def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) -> bool:
+def check_integrity(session: Any, path: Path, place: str, diagnostics: Diagnostics) -> bool:
     """Whether everything that draws or places something was understood; the rest is reported in ``found``.
 
     Args:
-        found: Receives SB221, which is an error, and SB223.
+        diagnostics: Receives SB221, which is an error, and SB223.
     """
     model = session.Model()
     check = model.GlobalCheck(True)
@@ -165,9 +165,9 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     lacking = [*_missing(messages, statements), *_wrong_kinds(session, statements)]
     essential = [fault for fault in lacking if fault.is_essential]
     others = [fault for fault in lacking if not fault.is_essential]
-    _report("SB221", "the file has syntax errors", broken, place, found)
-    _report("SB221", "entities of shapes or placements are missing", essential, place, found)
-    _report("SB223", "entities unrelated to shapes were not read", others, place, found)
+    _report("SB221", "the file has syntax errors", broken, place, diagnostics)
+    _report("SB221", "entities of shapes or placements are missing", essential, place, diagnostics)
+    _report("SB223", "entities unrelated to shapes were not read", others, place, diagnostics)
     return not (broken or essential)
 
 
@@ -238,10 +238,10 @@ def _is_essential(entity: Any, kinds: tuple[type, ...]) -> bool:
     return isinstance(entity, kinds) and not _PRESENTATION.match(type(entity).__name__)
 
 
-def _report(code: str, message: str, faults: Sequence[_Fault], place: str, found: Diagnostics) -> None:
+def _report(code: str, message: str, faults: Sequence[_Fault], place: str, diagnostics: Diagnostics) -> None:
     if not faults:
         return
     ordered = sorted(dict.fromkeys(faults))
     notes = cut([f"line {fault.line}: {fault.text}" if fault.line else fault.text for fault in ordered], _SHOWN)
     line = ordered[0].line
-    found.add(code, message, Span(place, line, 1) if line else Span(place), help=_REMEDY, notes=notes)
+    diagnostics.add(code, message, Span(place, line, 1) if line else Span(place), help=_REMEDY, notes=notes)

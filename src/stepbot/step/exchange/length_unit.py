@@ -34,7 +34,7 @@ class LengthUnit(Struct, frozen=True):
     """Further units that some shapes are in."""
 
 
-def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit | None:
+def read_length_unit(session: Any, place: str, diagnostics: Diagnostics) -> LengthUnit | None:
     """The file's length unit; None, with the reason in ``found``, if a shape has none."""
     units: Counter[DeclaredUnit] = Counter()
     missing = 0
@@ -54,7 +54,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
             units[unit] += 1
     if missing:
         of = f"{missing} of {missing + units.total()} shapes do" if units else "the file does"
-        found.add(
+        diagnostics.add(
             "SB207",
             f"{of} not declare a length unit",
             Span(place),
@@ -64,7 +64,7 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
     if not units:
         return LengthUnit("mm", 1e-3)  # no shape: reported elsewhere, and nothing to scale
     for unit in units:
-        _check_name(unit, place, found)
+        _check_name(unit, place, diagnostics)
     first = max(units, key=lambda unit: units[unit])
     return LengthUnit(first.name, first.size, tuple(unit.name for unit in units if unit != first))
 
@@ -111,10 +111,10 @@ def _part(context: Any, name: str) -> Any:
     return getattr(context, name)() if hasattr(context, name) else None
 
 
-def _check_name(unit: DeclaredUnit, place: str, found: Diagnostics) -> None:
+def _check_name(unit: DeclaredUnit, place: str, diagnostics: Diagnostics) -> None:
     known = KNOWN_LENGTHS.get(unit.name, unit.size)
     if not math.isclose(known, unit.size, rel_tol=1e-4):
-        found.add(
+        diagnostics.add(
             "SB209",
             f"the file's unit '{unit.name}' is declared as {unit.size:.9g} m, not {known:.9g} m",
             Span(place),

@@ -85,7 +85,7 @@ class Part21(Struct, frozen=True):
     """STEP files that hold the shapes of some products."""
 
 
-def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -> Part21 | None:
+def check_step(path: Path, place: str, diagnostics: Diagnostics, encoding: str = "") -> Part21 | None:
     """Check a STEP file; None, with the reason in ``found``, if the kernel cannot read it.
 
     Args:
@@ -94,15 +94,15 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
     span = Span(place)
     try:
         with opened(path) as data:
-            return _check(data, encoding, place, found)
+            return _check(data, encoding, place, diagnostics)
     except IsADirectoryError:
-        found.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
+        diagnostics.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
     except FileNotFoundError:
-        found.add("SB001", "file not found", span, help=_meant(path))
+        diagnostics.add("SB001", "file not found", span, help=_meant(path))
     except ArchiveFault as fault:
-        found.add("SB201", f"the compressed file cannot be read: {fault.reason}", span, help=[fault.help])
+        diagnostics.add("SB201", f"the compressed file cannot be read: {fault.reason}", span, help=[fault.help])
     except OSError as error:
-        found.add("SB001", f"cannot be read: {error.strerror or error}", span)
+        diagnostics.add("SB001", f"cannot be read: {error.strerror or error}", span)
     return None
 
 
@@ -137,32 +137,32 @@ def opened(path: Path) -> Iterator[Text]:
             yield data
 
 
-def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 | None:
+def _check(data: Text, declared: str, place: str, diagnostics: Diagnostics) -> Part21 | None:
     beginning = data[:_HEADER_LIMIT]
     start = _START.match(beginning, _end_of_comments(beginning))
     if start is None:
-        _report_not_step(bytes(data[:8192]), place, found)
+        _report_not_step(bytes(data[:8192]), place, diagnostics)
         return None
     section = _DATA.search(data, start.end())
     end_mark = data.rfind(_END, section.end() if section else start.end())
     if section is None or end_mark < 0 or data.find(b";", end_mark) < 0:
         end = Span(place, line_of(data, len(data)), 1)
-        found.add("SB201", "unexpected end of file", end, help=["export or copy it again"])
+        diagnostics.add("SB201", "unexpected end of file", end, help=["export or copy it again"])
         return None
-    encoding = check_encoding(data, declared, place, found)
+    encoding = check_encoding(data, declared, place, diagnostics)
     if encoding is None:
         return None
     header = _read_header(bytes(data[start.end() : min(section.start(), start.end() + _HEADER_LIMIT)]), encoding)
     if header.schema.startswith("IFC"):
         message = f"is a building model ({header.schema}), not a product"
-        found.add("SB201", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
+        diagnostics.add("SB201", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
         return None
     if _FIRST_ENTITY.search(data, section.end()) is None:
         span = Span(place, line_of(data, section.start()), 1)
-        found.add("SB201", "the DATA section is empty", span, help=["export the assembly again"])
+        diagnostics.add("SB201", "the DATA section is empty", span, help=["export the assembly again"])
         return None
     references = external_references(data, encoding)
-    if not _has_geometry(data, section.end(), references, place, found):
+    if not _has_geometry(data, section.end(), references, place, diagnostics):
         return None
     return Part21(header, encoding, len(data), tuple(reference for reference in references if reference.is_step))
 
@@ -179,9 +179,9 @@ def _end_of_comments(data: bytes) -> int:
         position = end + 2
 
 
-def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
+def _report_not_step(beginning: bytes, place: str, diagnostics: Diagnostics) -> None:
     if not beginning.strip(b"\0 \t\r\n"):
-        found.add("SB201", "the file is empty", Span(place), help=["export the assembly again"])
+        diagnostics.add("SB201", "the file is empty", Span(place), help=["export the assembly again"])
         return
     kind, remedy = next(
         ((kind, remedy) for magic, kind, remedy in _OTHER_FILES if beginning.startswith(magic)),
@@ -196,11 +196,11 @@ def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
     if len(beginning) > 80 and beginning[72:73] == b"S" and b"\n" in beginning[79:83]:
         kind, remedy = "IGES", "IGES has no assembly tree: export the assembly as STEP (AP214 or AP242)"
     what = f"is {kind}, not a STEP file" if kind else "is not a STEP file"
-    found.add("SB201", what, Span(place, 1, 1), help=[remedy])
+    diagnostics.add("SB201", what, Span(place, 1, 1), help=[remedy])
 
 
 def _has_geometry(
-    data: Text, start: int, references: tuple[ExternalReference, ...], place: str, found: Diagnostics
+    data: Text, start: int, references: tuple[ExternalReference, ...], place: str, diagnostics: Diagnostics
 ) -> bool:
     """Whether shapes are in the file itself or in other STEP files, and all of them."""
     geometry = any(data.find(word, start) >= 0 for word in _GEOMETRY)
@@ -209,10 +209,10 @@ def _has_geometry(
     if not elsewhere:
         if not is_complete:
             remedy = "export it with its geometry, as a B-rep (AP203, AP214 or AP242)"
-            found.add("SB205", "the file has no geometry", Span(place), help=[remedy])
+            diagnostics.add("SB205", "the file has no geometry", Span(place), help=[remedy])
         return is_complete
     names = list(dict.fromkeys(reference.name for reference in elsewhere))
-    found.add(
+    diagnostics.add(
         "SB203",
         f"{'parts of the' if is_complete else 'all'} geometry is in files that are not STEP: {listed(names, 5)}",
         Span(place, elsewhere[0].line, 1),

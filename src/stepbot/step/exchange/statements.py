@@ -78,7 +78,7 @@ _OPENING = re.compile(rb"'|/\*")
 _COMMENT_TOKENS = re.compile(rb"[\n*]")
 
 
-def report_long_tokens(path: Path, place: str, found: Diagnostics) -> bool:
+def report_long_tokens(path: Path, place: str, diagnostics: Diagnostics) -> bool:
     """Report strings and comments that the kernel cannot parse (SB205), by line; False if there are none.
 
     Args:
@@ -90,7 +90,7 @@ def report_long_tokens(path: Path, place: str, found: Diagnostics) -> bool:
         return False
     line, what = tokens[0]
     more = f"; and {len(tokens) - 1} more" if len(tokens) > 1 else ""
-    found.add(
+    diagnostics.add(
         "SB205",
         f"{what}, the kernel supports {LONGEST}{more}",
         Span(place, line),

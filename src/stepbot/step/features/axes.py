@@ -209,7 +209,7 @@ def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
 
 
 def choose(
-    found: Sequence[AxisLine], near: Vector3 | None = None, *, direction_only: bool = False, selected: bool = False
+    lines: Sequence[AxisLine], near: Vector3 | None = None, *, direction_only: bool = False, selected: bool = False
 ) -> Choice:
     """The line nearest to ``near`` [m], if given; otherwise the only one, or one twice as heavy as the next.
 
@@ -221,7 +221,7 @@ def choose(
         direction_only: Whether parallel lines are equivalent; the strongest of them is used.
         selected: Whether ``found`` was already selected by a radius.
     """
-    candidates = sorted(found, key=lambda line: line.order)
+    candidates = sorted(lines, key=lambda line: line.order)
     if near is not None and candidates:
         distances = [line.distance_to(near) for line in candidates]
         limit = min(distances) + DISTANCE_TOLERANCE
@@ -249,17 +249,17 @@ def line_frame(line: AxisLine) -> Pose:
     return Pose.of(perpendicular_frame(line.direction), line.point)
 
 
-def selectors(found: Sequence[AxisLine]) -> tuple[Selector, ...]:
+def selectors(lines: Sequence[AxisLine]) -> tuple[Selector, ...]:
     """For each line, the selectors with which :func:`choose` selects it: none, a unique radius, or a point."""
-    chosen = choose(found).line
-    return tuple(Selector() if line is chosen else selector(line, found) for line in found)
+    chosen = choose(lines).line
+    return tuple(Selector() if line is chosen else selector(line, lines) for line in lines)
 
 
-def selector(line: AxisLine, found: Sequence[AxisLine]) -> Selector:
+def selector(line: AxisLine, lines: Sequence[AxisLine]) -> Selector:
     """Explicit selectors of a line among all: a unique radius, or a point."""
-    radii = np.array([radius for other in found for radius in other.radii])
+    radii = np.array([radius for other in lines for radius in other.radii])
     alone = [r for r in line.radii if np.count_nonzero(np.abs(radii - _rounded(r)) <= 2 * DISTANCE_TOLERANCE) == 1]
-    return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_distinguishing_point(line, _rays(found)))
+    return Selector(radius=_rounded(alone[0])) if alone else Selector(near=_distinguishing_point(line, _rays(lines)))
 
 
 def millimetres(length: float) -> str:
@@ -285,8 +285,8 @@ def _distinguishing_point(line: AxisLine, rays: Rays) -> Vector3:
     return (x, y, z)
 
 
-def _rays(found: Sequence[AxisLine]) -> Rays:
-    points, directions = [line.point for line in found], [line.direction for line in found]
+def _rays(lines: Sequence[AxisLine]) -> Rays:
+    points, directions = [line.point for line in lines], [line.direction for line in lines]
     return Rays(np.array(points).reshape(-1, 3), np.array(directions).reshape(-1, 3))
 
 

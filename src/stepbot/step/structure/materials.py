@@ -35,7 +35,7 @@ class _Claims(Struct):
 class Materials:
     """Materials of the product definitions of one file."""
 
-    def __init__(self, session: Any, place: str, found: Diagnostics) -> None:
+    def __init__(self, session: Any, place: str, diagnostics: Diagnostics) -> None:
         """Read them all."""
         # By identity; a reference is kept, so that its id stays unique.
         self._claims: dict[int, tuple[Any, _Claims]] = {}
@@ -49,14 +49,14 @@ class Materials:
         for usage in entities(session, StepRepr_MakeFromUsageOption):
             self._read_raw_material(usage)
         if strange:
-            found.add(
+            diagnostics.add(
                 "SB211",
                 f"{len(strange)} densities in the file have no density unit and are ignored",
                 Span(place),
                 help=["set densities in the sidecar, under `parts` or `defaults`"],
                 notes=[f"a density of {value}" for value in [*dict.fromkeys(strange)][:3]],
             )
-        self._place, self._found = place, found
+        self._place, self._diagnostics = place, diagnostics
 
     def of(self, definition: Any, product: str) -> StepMaterial:
         """The material of a product definition; contradictory densities count as missing.
@@ -71,7 +71,7 @@ class Materials:
         name = next((name for name in claims.names if name.strip()), "")
         if len(densities) > 1 and not math.isclose(min(densities), max(densities), rel_tol=1e-6):
             values = ", ".join(f"{value:g}" for value in densities)
-            self._found.add(
+            self._diagnostics.add(
                 "SB211",
                 f"'{product}': several densities in the file: {values} kg/m^3",
                 Span(self._place),

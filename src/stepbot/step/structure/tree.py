@@ -77,7 +77,7 @@ def grow(
     roots: Sequence[int],
     materials: Sequence[StepMaterial],
     place: str,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> Tree | None:
     """Expand definitions into the tree of their occurrences; None, with the reason in ``found``, on failure.
 
@@ -85,7 +85,7 @@ def grow(
         roots: Those that occur nowhere else; several become children of an unnamed root.
         materials: For each definition the material of its product.
     """
-    nodes = _follow(definitions, roots, place, found)
+    nodes = _follow(definitions, roots, place, diagnostics)
     if nodes is None:
         return None
     names = assign_paths([_name(node, definitions) for node in nodes])
@@ -93,7 +93,7 @@ def grow(
     growing = _Growing(definitions, materials)
     for index, node in enumerate(nodes):
         growing.add(index, node, names[index], motions[index])
-    _report(growing, [index for index, motion in enumerate(motions) if not motion.is_rigid], place, found)
+    _report(growing, [index for index, motion in enumerate(motions) if not motion.is_rigid], place, diagnostics)
     if not all(motion.is_rigid for motion in motions):
         return None
     occurring = {node.child.definition for node in nodes if node.child.definition != NONE}
@@ -102,7 +102,7 @@ def grow(
 
 
 def _follow(
-    definitions: Sequence[Definition], roots: Sequence[int], place: str, found: Diagnostics
+    definitions: Sequence[Definition], roots: Sequence[int], place: str, diagnostics: Diagnostics
 ) -> list[_Node] | None:
     """All components, depth first in file order; None, with SB215 in ``found``, if there are too many."""
     nodes: list[_Node] = []
@@ -116,7 +116,7 @@ def _follow(
         node = pending.pop()
         index = len(nodes)
         if index >= MAX_COMPONENTS:
-            report_too_large(index + 1, place, found)
+            report_too_large(index + 1, place, diagnostics)
             return None
         nodes.append(node)
         number = node.child.definition
@@ -135,10 +135,10 @@ def _follow(
     return nodes
 
 
-def report_too_large(count: int, place: str, found: Diagnostics) -> None:
+def report_too_large(count: int, place: str, diagnostics: Diagnostics) -> None:
     """Report an assembly of at least ``count`` components, more than the maximum."""
     message = f"the assembly has {count:,} components or more; the limit is {MAX_COMPONENTS:,}"
-    found.add("SB215", message, Span(place), help=["export a smaller assembly"])
+    diagnostics.add("SB215", message, Span(place), help=["export a smaller assembly"])
 
 
 def _name(node: _Node, definitions: Sequence[Definition]) -> NamedComponent:
@@ -232,10 +232,10 @@ def _motions(matrices: Array) -> list[_Motion]:
     return [_Motion(*motion) for motion in zip(poses, is_mirrored.tolist(), shown, is_rigid.tolist(), strict=True)]
 
 
-def _report(growing: _Growing, skewed: Sequence[int], place: str, found: Diagnostics) -> None:
+def _report(growing: _Growing, skewed: Sequence[int], place: str, diagnostics: Diagnostics) -> None:
     components = growing.components
     for index in skewed:
-        found.add(
+        diagnostics.add(
             "SB214",
             f"'{components[index].path}': placement is not a rigid transform: shear or non-uniform scaling",
             Span(place),
@@ -244,4 +244,4 @@ def _report(growing: _Growing, skewed: Sequence[int], place: str, found: Diagnos
     if growing.empty:
         paths = [components[index].path for index in growing.empty]
         count = f"{len(paths)} components have" if len(paths) > 1 else "one component has"
-        found.add("SB216", f"{count} no geometry: {listed(paths, 3)}", Span(place))
+        diagnostics.add("SB216", f"{count} no geometry: {listed(paths, 3)}", Span(place))

@@ -48,13 +48,13 @@ def compare(
     components: Sequence[Component],
     bodies: Mapping[tuple[int, int], Body],
     place: str,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
 ) -> tuple[Validation, ...]:
     """Compare each value with the geometry; differences, and values that cannot be compared, are reported in ``found``.
 
     Args:
         bodies: The bodies read, by the number of the definition and of the body in it.
-        found: Receives SB226 and SB227.
+        diagnostics: Receives SB226 and SB227.
     """
     sums = _Summing(definitions, bodies)
     validations, left_out = [], 0
@@ -69,7 +69,7 @@ def compare(
             left_out += 1
         else:
             validations.append(_validation(value.subject.component, value, read))
-    _report(validations, left_out, components, place, found)
+    _report(validations, left_out, components, place, diagnostics)
     return tuple(validations)
 
 
@@ -127,13 +127,17 @@ def _validation(component: int, statement: Stated, read: _Sums) -> Validation:
 
 
 def _report(
-    validations: Sequence[Validation], left_out: int, components: Sequence[Component], place: str, found: Diagnostics
+    validations: Sequence[Validation],
+    left_out: int,
+    components: Sequence[Component],
+    place: str,
+    diagnostics: Diagnostics,
 ) -> None:
     differing = [validation for validation in validations if not validation.agrees]
     if differing:
         described = dict.fromkeys(f"'{components[v.component].path}': {_described(v)}" for v in differing)
         differ = "differ" if len(differing) > 1 else "differs"
-        found.add(
+        diagnostics.add(
             "SB226",
             f"{len(differing)} of {len(validations)} validation properties in the file {differ} from the geometry read",
             Span(place),
@@ -142,7 +146,7 @@ def _report(
         )
     if left_out:
         count = f"{left_out} validation properties" if left_out > 1 else "one validation property"
-        found.add("SB227", f"{count} of the file could not be compared", Span(place))
+        diagnostics.add("SB227", f"{count} of the file could not be compared", Span(place))
 
 
 def _described(validation: Validation) -> str:

@@ -150,21 +150,23 @@ def _size(meshes: list[TriMesh]) -> int:
 STYLES = ("style.css", "report.css")
 
 
-def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines: Places) -> bytes:
+def report_page(robot: Robot, report: Report, diagnostics: Sequence[Diagnostic], lines: Places) -> bytes:
     """The report as one HTML file without references to others."""
     shown = reduced(robot)
-    scene = scene_document(shown.robot, evidence=evidence_of_rows(report.joint_table), report=report, found=found)
-    names: Mapping[str, str] = {one.span.file: PurePath(one.span.file).name for one in found}
+    scene = scene_document(
+        shown.robot, evidence=evidence_of_rows(report.joint_table), report=report, diagnostics=diagnostics
+    )
+    names: Mapping[str, str] = {one.span.file: PurePath(one.span.file).name for one in diagnostics}
     sections = element(
         "div",
-        _summary(robot, report, found),
+        _summary(robot, report, diagnostics),
         modules_section(robot, report),
         joints_section(robot, report.joint_table),
         masses_section(robot),
         motors_section(robot),
         datasheet_section(robot),
         proof_section(report),
-        findings_section(found, lines, names),
+        findings_section(diagnostics, lines, names),
         collisions_section(report.collision_shapes),
         bodies_section(report.bodies),
         inputs_section(report),
@@ -177,11 +179,11 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
     return html.encode("utf-8", "backslashreplace")
 
 
-def _summary(robot: Robot, report: Report, found: Sequence[Diagnostic]) -> Markup:
+def _summary(robot: Robot, report: Report, diagnostics: Sequence[Diagnostic]) -> Markup:
     """The numbers that a reviewer wants first."""
     statuses = [check.status for check in report.checks]
     failed, passed = statuses.count(Status.FAILED), statuses.count(Status.PASSED)
-    warnings = sum(one.severity == "warning" for one in found)
+    warnings = sum(one.severity == "warning" for one in diagnostics)
     weak = sum(bool(row.evidence.doubt) for row in report.joint_table)
     verdict = ("failed", "bad") if failed else ("passed", "good") if passed else ("not verified", "warn")
     checks = f"{failed} of {len(statuses)} checks" if failed else f"{passed} checks" if passed else ""

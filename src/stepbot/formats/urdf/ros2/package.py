@@ -124,7 +124,7 @@ def shown_in_rviz(robot: Robot) -> Robot:
     return robot if formats.is_chosen else replace(robot, mesh_formats=replace(formats, visual=MeshFormat.STL))
 
 
-def report_gaps(robot: Robot, found: Diagnostics) -> None:
+def report_gaps(robot: Robot, diagnostics: Diagnostics) -> None:
     """Report an unknown maintainer or licence (SB640), and a package without controllers (SB641)."""
     metadata, faults, wanted = robot.metadata, list[str](), list[str]()
     missing = [name for name in _REMEDIES if not getattr(metadata, name)]
@@ -141,16 +141,16 @@ def report_gaps(robot: Robot, found: Diagnostics) -> None:
         )
         help = ["write your own name and address"] if metadata.is_placeholder else []
         help += [f"in the sidecar: `metadata: {{{keys}}}`", f"without a sidecar of yours: `{options}`"]
-        found.add("SB640", f"the package {' and '.join(faults)}", Span(MANIFEST), help=help)
+        diagnostics.add("SB640", f"the package {' and '.join(faults)}", Span(MANIFEST), help=help)
     if not robot.actuators:
         joint = next((joint.name for joint in robot.joints if joint.kind is not JointKind.FIXED), "elbow")
         remedy = f"in the sidecar: `actuators: {{{joint}_motor: {{joint: {joint}, kind: position, gains: auto}}}}`"
-        found.add("SB641", "no actuators, so the package has no controllers", Span("config"), help=[remedy])
+        diagnostics.add("SB641", "no actuators, so the package has no controllers", Span("config"), help=[remedy])
     if (place := place_without_frame(robot)) is not None:
         name = robot.root.name
         xyz = ", ".join(f"{value:g}" for value in place)
         origin = f"{{xyz: [{xyz}], relative_to: {name}}}"
-        found.add(
+        diagnostics.add(
             "SB641",
             "no link or frame of the base is between its wheels, so that they have no `diff_drive_controller`",
             Span("config"),
