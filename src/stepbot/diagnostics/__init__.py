@@ -56,6 +56,14 @@ class Diagnostic(NamedTuple):
         """:attr:`help`; for an error without help, the remedy of its code."""
         return self.help or ((CODES[self.code].fix,) if self.severity == "error" else ())
 
+    def after(self, command: str) -> "Diagnostic":
+        """The diagnostic with the remedies of its code for one command: ``After `verify`, ...``."""
+        if self.help or "After `" not in CODES[self.code].fix:
+            return self
+        sentences = re.split(r"(?<=\.) (?=[A-Z])", CODES[self.code].fix)
+        words = [text.removeprefix(f"After `{command}`, ") for text in sentences]
+        return self._replace(help=(" ".join(text[0].upper() + text[1:] for text in words if text[:7] != "After `"),))
+
     def __str__(self) -> str:
         return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
 

@@ -15,7 +15,7 @@ from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
 
 from . import Engine, engines, engines_for
-from .observation import Observation, Request
+from .observation import EngineRefused, Observation, Request
 
 
 class ObservationCache:
@@ -77,6 +77,8 @@ class Outcome(Struct, frozen=True, eq=False):
     """Why there is no observation."""
     last_lines: tuple[str, ...] = ()
     """The last output of a crashed engine, or the end of the traceback."""
+    help: tuple[str, ...] = ()
+    """What helps, if that is known."""
 
 
 class Engines:
@@ -168,7 +170,8 @@ class Engines:
         except RemoteError as error:
             fate = _FATES.get(error.kind, Fate.BROKEN)
             lines = tuple(error.trace.splitlines()[-6:]) if fate is Fate.BROKEN else ()
-            return Outcome(key, written_in, name, fate, reason=error.text or error.kind, last_lines=lines)
+            reason, *help = (error.text or error.kind).split(EngineRefused.HELP)
+            return Outcome(key, written_in, name, fate, reason=reason, last_lines=lines, help=tuple(help))
         self._cache.put(key, engine, self._asked[key], observation)
         return Outcome(key, written_in, name, Fate.OBSERVED, observation)
 

@@ -11,11 +11,11 @@ from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.revisions import lock_path
 from stepbot.robot.mesh_files import share_meshes
-from stepbot.robot.scale import LARGEST, other_units
+from stepbot.robot.scale import LARGEST, SMALLEST, other_units
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import ELEMENTS, subject
-from stepbot.step.assembly import Assembly
+from stepbot.step.assembly import SMALL, Assembly
 from stepbot.step.structure.paths import ComponentPaths
 
 from .conversion import Options
@@ -85,10 +85,20 @@ def places(sidecar: Sidecar) -> dict[str, Span]:
     return places
 
 
-def report_large_assembly(assembly: Assembly, diagnostics: Diagnostics) -> None:
-    """Report SB420, an assembly of tens of metres: drawn in another unit than declared."""
+def report_size(assembly: Assembly, found: Diagnostics, *, drafted: bool = False) -> None:
+    """Report SB420, an assembly of tens of metres, or below a millimetre: drawn in another unit than declared.
+
+    Args:
+        drafted: Whether joints are inferred, by clearances and gaps that are not those of smaller parts.
+    """
     box = assembly.bounds(0)
     size = 0.0 if box is None else max(high - low for low, high in zip(*box, strict=True))
+    help = list(other_units(size, assembly.unit))
+    if drafted:
+        help += ["joints are drafted by clearances and gaps of larger parts: look at each, or draw it enlarged"]
     if size > LARGEST:
         message = f"{assembly.source}: size of {size:.3g} m; check its length unit ({assembly.unit})"
-        diagnostics.add("SB420", message, Span(assembly.source), help=other_units(size, assembly.unit))
+        found.add("SB420", message, Span(assembly.source), help=help[:1])
+    elif 0.0 < size < (SMALL if drafted else SMALLEST):
+        message = f"{assembly.source}: size of {size * 1e3:.3g} mm; check its length unit ({assembly.unit})"
+        found.add("SB420", message, Span(assembly.source), help=help)

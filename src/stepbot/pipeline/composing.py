@@ -12,7 +12,7 @@ from stepbot.compose.changing import changed, with_names
 from stepbot.compose.interfaces import report_interfaces
 from stepbot.compose.joining import composed
 from stepbot.compose.parts import joints_above
-from stepbot.diagnostics import Diagnostics, Span, StepbotError, cut, did_you_mean
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span, StepbotError, cut, did_you_mean
 from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
@@ -284,7 +284,9 @@ def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], diagnostics:
     for module in (one.module for one in modules if one.module.name in wrong):
         first, *others = wrong[module.name]
         message = f"module '{module.name}': differs from '{module.file}' alone: {first}"
-        diagnostics.add("SB803", message, sidecar.key_span("modules", module.name), notes=cut(others, MOST_NOTES))
+        place = sidecar.key_span("modules", module.name)
+        wrong_module = Diagnostic("SB803", "error", message, place, notes=tuple(cut(others, MOST_NOTES)))
+        diagnostics.extend([wrong_module.after("convert")])
     return checks
 
 

@@ -32,7 +32,7 @@ from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, has_mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
 
-from .building import report_large_assembly
+from .building import report_size
 from .conversion import Options
 from .describing import read_description
 from .loading import Loading
@@ -81,7 +81,7 @@ def draft_step(
             assembly = loading.assembly(diagnostics)
             mechanism = _mechanism(step, options)
         diagnostics.raise_if_errors()
-        report_large_assembly(assembly, diagnostics)
+        report_size(assembly, diagnostics, drafted=True)
     except StepbotError as error:
         diagnostics.extend(error.diagnostics)
         return Drafting(diagnostics)

@@ -235,9 +235,9 @@ def inspect(path: Path, options: Options) -> Inspection:
         diagnostics.extend(error.diagnostics)
         return Inspection(diagnostics, None)
     if assembly is not None:
-        from .building import report_large_assembly
+        from .building import report_size
 
-        report_large_assembly(assembly, diagnostics)
+        report_size(assembly, diagnostics)
     links = (
         {}
         if sidecar is None or diagnostics.has_errors or assembly is None

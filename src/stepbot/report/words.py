@@ -201,15 +201,20 @@ Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
 """Headings and rows."""
 
 
+def _millimetres(length: float) -> str:
+    """A length [m] in whole millimetres; below 10 mm, with three digits."""
+    return f"{1e3 * length:.0f}" if abs(length) >= 0.01 else f"{1e3 * length:.3g}"
+
+
 def sheet_blocks(sheet: "DataSheet") -> Iterator[str | Table]:
     """A data sheet as headings (``## tip``), items of lists (``- reach: ...``) and tables, without its title."""
     yield f"- mass: {sheet.mass:.4g} kg"
     if sheet.size is not None:
-        yield "- size at home: " + " x ".join(f"{1e3 * edge:.0f}" for edge in sheet.size) + " mm"
+        yield "- size at home: " + " x ".join(map(_millimetres, sheet.size)) + " mm"
     if sheet.standing is not None:
         height, margin = sheet.standing
-        inside = "" if margin is None else f"; its com is {1e3 * margin:.0f} mm inside of what it stands on"
-        yield f"- stands with its base {1e3 * height:.0f} mm over the floor{inside}"
+        inside = "" if margin is None else f"; its com is {_millimetres(margin)} mm inside of what it stands on"
+        yield f"- stands with its base {_millimetres(height)} mm over the floor{inside}"
     yield from (f"- {actuator}: motor {motor}" for actuator, motor in sheet.motors)
     plays = sheet.backlash
     yield from (f"- {joint}: play of {size:.3g} {unit}, the backlash of its motor" for joint, size, unit in plays)
@@ -250,9 +255,9 @@ def sheet_blocks(sheet: "DataSheet") -> Iterator[str | Table]:
 
 def _arm_blocks(arm: "ArmFigures") -> Iterator[str | Table]:
     yield f"## {arm.tip}"
-    yield f"- reach: {1e3 * arm.reach:.0f} mm from the axis of {arm.joints[0]}"
+    yield f"- reach: {_millimetres(arm.reach)} mm from the axis of {arm.joints[0]}"
     if arm.payloads:
-        held: list[tuple[str, ...]] = [(f"{1e3 * far:.0f}", f"{mass:.3g}") for far, mass in arm.payloads]
+        held: list[tuple[str, ...]] = [(_millimetres(far), f"{mass:.3g}") for far, mass in arm.payloads]
         yield ("tip up to [mm]", "payload [kg]"), held
     if arm.dh is None:
         return

@@ -29,7 +29,7 @@ _STRETCHES = 4
 _DIGITS = 4
 """Significant digits: more would depend on the last bits of the linear algebra."""
 _ROUNDING = 1e-9
-"""Inertia, relative to itself, and gravity force [N m] or [N] that are rounding."""
+"""Inertia, relative to itself, and gravity force, relative to the weight of a robot below 1 N, that are rounding."""
 _SHORTEST = 3
 """Number of joints of a chain that is an arm."""
 _BANDS = 24
@@ -184,7 +184,9 @@ class _Forces:
         self.q, S = self._moved() if robot.closures else (self.q, tree.B[None])
         self.M, self.g = self._at(self.q, armature, S)
         own = self.M.diagonal(axis1=1, axis2=2)
-        varies = (np.ptp(own, axis=0) > _ROUNDING * own.max(axis=0)) | (np.abs(self.g).max(axis=0) > _ROUNDING)
+        weight = -GRAVITY[2] * exact_sum(link.mass_properties.mass for link in robot.links)
+        self.noise = _ROUNDING * min(1.0, weight)
+        varies = (np.ptp(own, axis=0) > _ROUNDING * own.max(axis=0)) | (np.abs(self.g).max(axis=0) > self.noise)
         if varies.any() and (worst := worst_postures(robot, tree, np.flatnonzero(varies).tolist())) is not None:
             M, g = self._at(worst[0], armature, S)
             self.q, self.M, self.g = (np.concatenate(pair) for pair in ((self.q, worst[0]), (self.M, M), (self.g, g)))
@@ -243,8 +245,8 @@ class _Forces:
                 JointFigures(
                     name,
                     *(joint.limit.lower, joint.limit.upper, joint.limit.velocity, float(self.efforts[j])),
-                    _rounded(float(np.abs(self.g[:, j]).max())),
-                    (_rounded(least), _rounded(most)),
+                    _rounded(float(np.abs(self.g[:, j]).max()), self.noise),
+                    (_rounded(least, 0.0), _rounded(most, 0.0)),
                     fastest,
                     jerk,
                     (rates[0], rates[1]) if rates else None,
@@ -253,8 +255,8 @@ class _Forces:
         return tuple(found)
 
 
-def _rounded(value: float) -> float:
-    return round(value, _DIGITS - 1 - floor(log10(abs(value)))) if abs(value) > 1e-9 else 0.0
+def _rounded(value: float, noise: float = 1e-9) -> float:
+    return round(value, _DIGITS - 1 - floor(log10(abs(value)))) if abs(value) > noise else 0.0
 
 
 def _rounded_down(value: float) -> float:
@@ -348,7 +350,7 @@ def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
             edge = reach * part / _STRETCHES
             within = [mass for far, mass in held if far <= edge * (1.0 + 1e-9)]
             if within and isfinite(min(within)):
-                payloads.append((_rounded(edge), _rounded(max(min(within), 0.0))))
+                payloads.append((_rounded(edge), _rounded(max(min(within), 0.0), 0.0)))
     shown = _workspace(*distances(sampled(forces.robot, _REACHED)))
     return ArmFigures(
         tip.name, tuple(names), _rounded(reach), tuple(payloads), dh_table(forces.robot, names, tip), shown

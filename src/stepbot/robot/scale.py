@@ -14,6 +14,8 @@ from .model import Geometry, MeshRef, Robot
 
 LARGEST = 20.0
 """Size [m] above which the unit is questionable."""
+SMALLEST = 1e-3
+"""Size [m] of an assembly below which the unit is questionable."""
 LIGHTEST = 1e-3
 """Mass [kg] below which the unit is questionable."""
 
@@ -63,7 +65,7 @@ def check_scale(robot: Robot, report: Callable[..., None], unit: str, *, massles
 
 def other_units(size: float, unit: str) -> tuple[str, ...]:
     """The remedy for a size [m] that is doubtful in the unit that its file declares."""
-    if unit != "m":
+    if unit != "m" or size < LARGEST:
         return (_OTHER_UNIT,)
     return (f"if it was drawn in mm, it is {size * 1e-3:.3g} m large: export it again with that unit",)
 

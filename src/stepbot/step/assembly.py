@@ -23,6 +23,10 @@ CERTAIN = 1e-3
 """Relative error of mass properties up to which they are reliable."""
 USABLE = 0.1
 """The same up to which a robot is built with them, with a warning: densities are seldom known better."""
+SMALL = 0.01
+"""Size [m] of an assembly below which distances that decide shrink with it: fits of watches, grippers of endoscopes."""
+_FINEST = 0.05
+"""Least factor: below half a millimetre, selectors to the micrometre would no longer find what they select."""
 ROOT_PATH = "."
 """Path of the root of the assembly."""
 
@@ -244,6 +248,14 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
             found += self.subtree(child)
         return tuple(found)
 
+    @cached_property
+    def fineness(self) -> float:
+        """Factor of the distances that decide about fits and gaps: 1 unless the assembly is smaller than 10 mm."""
+        if any(len(body.mesh.vertices) and _longest(body.mesh.bounds) >= SMALL for body in self.bodies):
+            return 1.0
+        box = self.bounds(0)
+        return 1.0 if box is None else round(min(max(_longest(box) / SMALL, _FINEST), 1.0), 3)
+
     def bounds(self, index: int) -> tuple[Vector3, Vector3] | None:
         """Lowest and highest corner [m] of a component and everything below it, along the axes of the assembly."""
         boxes = []
@@ -252,3 +264,7 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
             if component.body >= 0 and len(self.bodies[component.body].mesh.vertices):
                 boxes.append(self.bodies[component.body].mesh.moved(component.X_WC).bounds)
         return join_bounds(boxes) if boxes else None
+
+
+def _longest(box: tuple[Vector3, Vector3]) -> float:
+    return max(high - low for low, high in zip(*box, strict=True))

@@ -120,7 +120,7 @@ def verify(
     check_started(required, outcomes, diagnostics)
     for key, one in written.items():
         _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], diagnostics)
-    diagnostics.extend(differences)
+    diagnostics.extend(one.after("convert") for one in differences)
     overlaps, collision_check = _self_collision(robot, provers, timeout, diagnostics)
     return report_of(
         (*checks, collision_check),

@@ -82,7 +82,9 @@ def verify_files(
     check_required(required, diagnostics)
     asked, outcomes = observed(paths, diagnostics, workers, packages=tuple(packages), xacro=xacro)
     check_started(required, outcomes, diagnostics)
-    checks = judge(outcomes, asked, diagnostics)
+    compared = Diagnostics()
+    checks = judge(outcomes, asked, compared)
+    diagnostics.extend(one.after("verify") for one in compared)
     return report_of(checks, outcomes, joint_table=_named(asked.joint_table, outcomes))
 
 
@@ -123,7 +125,8 @@ def compare_two(
     for key, some in of_file.items():
         list(checks_within(key, some, reported))
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
-    diagnostics.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
+    errors = [one.after("verify") for one in reported if one.severity == "error"]
+    diagnostics.extend(one for one in errors if len(seen) < 2 or one.code in _UNREAD)
     if len(seen) < 2:
         if not diagnostics.has_errors:
             for key, some in of_file.items():

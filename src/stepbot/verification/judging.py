@@ -124,7 +124,8 @@ def checks_without_observation(
     if failed:
         code = {Fate.REFUSED: "SB801", Fate.DIED: "SB802"}.get(outcome.fate, "SB901")
         first, *more = outcome.reason.splitlines() or [""]
-        diagnostics.add(code, f"{subject.engine}: {first}", Span(subject.file), notes=[*more, *outcome.last_lines])
+        notes = [*more, *outcome.last_lines]
+        diagnostics.add(code, f"{subject.engine}: {first}", Span(subject.file), help=outcome.help, notes=notes)
     return checks
 
 

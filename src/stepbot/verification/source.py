@@ -135,6 +135,7 @@ def verify_against_source(
     source_seen = gather(first)
     ours = _comparable(replace(source_seen, observation=of_robot(source_seen.observation)))
     checks = list[Check]()
+    differences = Diagnostics()
     for path, written in files.items():
         seen = ranked([outcome for outcome in outcomes if outcome.key == path.as_posix()])
         if not seen:
@@ -150,7 +151,8 @@ def verify_against_source(
                 compared = replace(compared, not_run=reason)
             against = f"{name} ({ours.engine(compared.quantity)})"
             subject = Subject(written.name, theirs.format, theirs.engine(compared.quantity), against)
-            checks.append(judged(subject, compared, diagnostics))
+            checks.append(judged(subject, compared, differences))
+    diagnostics.extend(one.after("convert") for one in differences)
     return tuple(checks)
 
 

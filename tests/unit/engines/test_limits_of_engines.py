@@ -53,11 +53,20 @@ def test_depth_that_pybullet_can_read(tmp_path: Path) -> None:
 
 
 def test_links_that_mujoco_cannot_have(tmp_path: Path) -> None:
-    """The reason names the bound and the likely cause, a wrong length unit."""
+    """An MJCF is rejected, with the bound and what helps; a URDF, which other engines read, is not read by MuJoCo."""
     path, body = tmp_path / "r.xml", '<inertial pos="0 0 0" mass="1e-9" fullinertia="1e-15 1e-15 1e-15 0 0 0"/>'
     path.write_text(f"<mujoco><worldbody><body>{body}<joint/></body></worldbody></mujoco>", encoding="utf-8")
-    with pytest.raises(EngineRefused, match=r"1e-14 kg m\^2: check the length unit"):
+    with pytest.raises(EngineRefused, match=r"1e-14 kg m\^2\nhelp: check the length unit .* leave out MJCF"):
         engine_of("mujoco").observer.observe(Request(str(path), "mjcf"))
+    verify_files([path], found := Diagnostics())
+    assert [one.help[0][:21] for one in found if one.code == "SB801"] == ["check the length unit"]
+
+    small = _BODY.replace('"1"', '"1e-15"').replace('mass value="1e-15"', 'mass value="1e-9"')
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
+    links = f'<link name="a">{small}</link><link name="b">{small}</link>'
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{joint}</robot>', encoding="utf-8")
+    with pytest.raises(EngineCannotRead, match="below 1e-15 kg or 1e-14 kg m"):
+        engine_of("mujoco").observer.observe(Request(str(tmp_path / "r.urdf"), "urdf"))
 
 
 def test_closure_between_links_that_do_not_move(tmp_path: Path) -> None:

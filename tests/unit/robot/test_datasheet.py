@@ -79,6 +79,36 @@ def test_plane_arm() -> None:
     assert arm.dh.tool.position == pytest.approx((0.3, 0.0, 0.0))
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1e-2])
+def test_figures_of_a_tiny_arm(scale: float) -> None:
+    """Of one density, torques of weight go with the fourth power of the size, and inertias with the fifth."""
+    arm = plane_arm()
+    links = [
+        replace(
+            link,
+            mass_properties=MassProperties(
+                scale**3 * link.mass_properties.mass,
+                tuple(scale * x for x in link.mass_properties.com),
+                tuple(tuple(scale**5 * x for x in row) for row in link.mass_properties.inertia),
+            ),
+        )
+        for link in arm.links
+    ]
+    joints = [
+        replace(
+            joint,
+            X_PC=Pose.of(position=tuple(scale * x for x in joint.X_PC.p)),
+            dynamics=JointDynamics(armature=scale**5 * 0.01),
+            limit=replace(joint.limit, effort=scale**4 * joint.limit.effort),
+        )
+        for joint in arm.joints
+    ]
+    tiny = data_sheet(replace(arm, links=tuple(links), joints=tuple(joints), frames=(), actuators=()))
+    for one, large in zip(tiny.joints, data_sheet(arm).joints, strict=True):
+        assert one.gravity == pytest.approx(scale**4 * large.gravity, rel=1e-2)
+        assert one.inertia == pytest.approx(tuple(scale**5 * x for x in large.inertia), rel=1e-2)
+
+
 def parallelogram() -> Robot:
     """Two upright rods of 0.4 m, 0.6 m apart, kept parallel by a coupler; the first one turns by 60 degrees."""
 

@@ -53,7 +53,8 @@ _CONTENT = ("inertial", "visual", "collision")
 _READABLE = (".obj", ".stl", ".msh")
 """Suffixes of meshes that MuJoCo reads."""
 _ABOUT_SIZE = ("inertia must have positive eigenvalues", "must be larger than mjMINVAL")
-_TOO_SMALL = "; MuJoCo has no moving link below 1e-15 kg or 1e-14 kg m^2: check the length unit and the densities"
+_TOO_SMALL = "MuJoCo has no moving link below 1e-15 kg or 1e-14 kg m^2"
+_CHECK = "check the length unit and the densities; for a robot of a few millimetres, leave out MJCF (`-f urdf,sdf`)"
 _FOR_COMPILING = 1e-6
 """Temporary mass [kg] and moments of inertia [kg m^2] of massless moving links while MuJoCo compiles."""
 HOME = "home"
@@ -70,7 +71,7 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: MuJoCo does not compile the file.
-        EngineCannotRead: It is a URDF with a floating joint within the robot.
+        EngineCannotRead: It is a URDF with a floating joint within the robot, or with links that are too small.
     """
     import mujoco as engine
 
@@ -146,7 +147,11 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
             raise EngineCannotRead(f"MuJoCo has no floating joints within a robot: {floating}") from error
         # Local folders must not be in a message that may be part of a report.
         text = str(error).replace(f"{path.parent.as_posix()}/", "").strip()
-        raise EngineRefused(text + _TOO_SMALL * any(words in text for words in _ABOUT_SIZE)) from error
+        if not any(words in text for words in _ABOUT_SIZE):
+            raise EngineRefused(text) from error
+        if request.format == "urdf":  # which other engines read
+            raise EngineCannotRead(f"{_TOO_SMALL} ({'; '.join(text.splitlines())})") from error
+        raise EngineRefused(f"{text}; {_TOO_SMALL}{EngineRefused.HELP}{_CHECK}") from error
 
 
 def _without_inferred_masses(spec: Any) -> tuple[str, ...]:

@@ -56,18 +56,23 @@ class AxisFaces(Struct, frozen=True, eq=False):
     """Shape (n,): whether material is outside."""
     components: Indices
     """Shape (n,): index of each face's component."""
+    fineness: float = 1.0
+    """Of the assembly: factor of the distances that decide."""
 
     def __len__(self) -> int:
         return len(self.radii)
 
     def select(self, rows: NDArray[np.bool_] | Indices) -> "AxisFaces":
         """Some of the faces, by mask (n,) or by indices."""
-        return AxisFaces(*(getattr(self, name)[rows] for name in self.__struct_fields__))
+        return replace(self, **{name: getattr(self, name)[rows] for name in _COLUMNS})
 
     @property
     def rays(self) -> Rays:
         """The axes."""
         return Rays(self.centers, self.directions)
+
+
+_COLUMNS = AxisFaces.__struct_fields__[:-1]
 
 
 class LineFace(Struct, frozen=True):
@@ -165,8 +170,8 @@ def axis_faces(assembly: Assembly, components: Iterable[int]) -> AxisFaces:
 def lines(faces: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
     """The lines with faces, the heaviest first; with ``radius`` [m], only faces of that radius count."""
     if radius is not None:
-        faces = faces.select(np.abs(faces.radii - radius) <= DISTANCE_TOLERANCE)
-    found = [_line(faces, rows) for rows in coaxial(faces.rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE)]
+        faces = faces.select(np.abs(faces.radii - radius) <= faces.fineness * DISTANCE_TOLERANCE)
+    found = [_line(faces, rows) for rows in coaxial(faces.rays, faces.fineness * DISTANCE_TOLERANCE, ANGLE_TOLERANCE)]
     return tuple(sorted(found, key=lambda line: -line.weight))
 
 
@@ -177,12 +182,12 @@ def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[Axis
     """
     a, b = a.select(~a.cones), b.select(~b.cones)
     faces = _joined([a, b])
-    found = []
-    for rows in coaxial(faces.rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE):
+    found, tolerance = [], faces.fineness * DISTANCE_TOLERANCE
+    for rows in coaxial(faces.rays, tolerance, ANGLE_TOLERANCE):
         rows_a, rows_b = rows[rows < len(a)], rows[rows >= len(a)]
         if len(rows_a) and len(rows_b):
             line = _mate(faces, rows_a, rows_b)
-            if radius is None or np.abs(np.array(line.radii) - radius).min() <= DISTANCE_TOLERANCE:
+            if radius is None or np.abs(np.array(line.radii) - radius).min() <= tolerance:
                 found.append(line)
     return tuple(sorted(found, key=lambda line: line.order))
 
@@ -196,10 +201,10 @@ def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
     if not lines_a or not lines_b:
         return ()
     rays_a, rays_b = _rays(lines_a), _rays(lines_b)
-    i, j = close_pairs(rays_a, rays_b, NEAR_MISS_DISTANCE, NEAR_MISS_ANGLE)
+    i, j = close_pairs(rays_a, rays_b, a.fineness * NEAR_MISS_DISTANCE, NEAR_MISS_ANGLE)
     distances = gaps(rays_a.rows(i), rays_b.rows(j))
     angles = np.linalg.norm(np.cross(rays_a.directions[i], rays_b.directions[j]), axis=1)
-    mated = (distances <= DISTANCE_TOLERANCE) & (angles <= ANGLE_TOLERANCE)
+    mated = (distances <= a.fineness * DISTANCE_TOLERANCE) & (angles <= ANGLE_TOLERANCE)
     missed = ~(np.isin(i, i[mated]) | np.isin(j, j[mated]))
     misses = [
         NearMiss(lines_a[row_a], lines_b[row_b], distance, angle)
@@ -308,6 +313,7 @@ def _faces_of(assembly: Assembly, component: Component) -> AxisFaces:
         np.array([face.cone for face in faces]),
         np.array([face.bore for face in faces]),
         np.full(len(faces), component.index, dtype=np.intp),
+        assembly.fineness,
     )
 
 
@@ -315,7 +321,8 @@ def _joined(parts: Sequence[AxisFaces]) -> AxisFaces:
     if not parts:
         nothing = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0)
         return AxisFaces(*nothing, np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros(0, dtype=np.intp))
-    return AxisFaces(*(np.concatenate([getattr(p, name) for p in parts]) for name in AxisFaces.__struct_fields__))
+    columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _COLUMNS}
+    return AxisFaces(**columns, fineness=min(part.fineness for part in parts))
 
 
 def _line(faces: AxisFaces, rows: Indices) -> AxisLine:
@@ -330,7 +337,8 @@ def _mate(faces: AxisFaces, rows_a: Indices, rows_b: Indices) -> AxisLine:
     center, direction = _carrier(faces, rows)
     (low_a, high_a), (low_b, high_b) = (_extent(faces, side, center, direction) for side in (rows_a, rows_b))
     middle = 0.5 * (max(low_a, low_b) + min(high_a, high_b))
-    met = meeting(*(_spans(faces, side, center, direction) for side in (rows_a, rows_b)))
+    a, b = (_spans(faces, side, center, direction) for side in (rows_a, rows_b))
+    met = meeting(a, b, faces.fineness)
     sides = _line_face(faces, rows_a[met.rows[0]]), _line_face(faces, rows_b[met.rows[1]])
     weight = min(side.radius for side in sides)
     line = _axis_line(faces, rows, center, direction, middle, weight)
@@ -353,7 +361,7 @@ def _axis_line(faces: AxisFaces, rows: Indices, center: Array, direction: Array,
     low, high = _extent(faces, rows, point, direction)
     radii: list[float] = []
     for radius in sorted(faces.radii[rows].tolist(), reverse=True):
-        if not radii or radii[-1] - radius > DISTANCE_TOLERANCE:
+        if not radii or radii[-1] - radius > faces.fineness * DISTANCE_TOLERANCE:
             radii.append(radius)
     components = tuple(dict.fromkeys(faces.components[rows].tolist()))
     members = tuple(

@@ -29,11 +29,11 @@ BESIDE = 1.5e-3
 """Gap [m] along the line up to which faces count as touching: a washer, or two edges chamfered by 0.75 mm."""
 
 
-def fits(bore: Array | float, shaft: Array | float, engaged: Array | float) -> Array:
+def fits(bore: Array | float, shaft: Array | float, engaged: Array | float, fineness: float = 1.0) -> Array:
     """Whether shafts fit bores, by their radii and engaged lengths [m]; arrays are broadcast."""
     bores = np.asarray(bore)
-    slack, widest = bores - shaft, np.maximum(TIGHTEST, np.minimum(LOOSEST, SLACK_SHARE * bores))
-    is_engaged = np.asarray(engaged) >= ENGAGED
+    slack, widest = bores - shaft, np.maximum(fineness * TIGHTEST, np.minimum(LOOSEST, SLACK_SHARE * bores))
+    is_engaged = np.asarray(engaged) >= fineness * ENGAGED
     return np.asarray(is_engaged & (slack <= widest) & (slack >= -np.minimum(widest, INTERFERENCE)))
 
 
@@ -69,19 +69,22 @@ class Meeting(Struct, frozen=True):
     """Length [m] along the line that both cover; negative for a gap between them."""
 
 
-def meeting(a: Spans, b: Spans) -> Meeting:
+def meeting(a: Spans, b: Spans, fineness: float = 1.0) -> Meeting:
     """How the faces of two sides, at least one of each, meet: the pair with the strongest evidence.
 
     Ties are broken by the widest pair, then the longest overlap; for faces apart, by the nearest pair.
+
+    Args:
+        fineness: Of the assembly, by which distances that decide are smaller.
     """
-    return min(_best_of_blocks(a, b), key=lambda best: best[0])[1]
+    return min(_best_of_blocks(a, b, fineness), key=lambda best: best[0])[1]
 
 
-def _best_of_blocks(a: Spans, b: Spans) -> Iterator[tuple[tuple[float, ...], Meeting]]:
+def _best_of_blocks(a: Spans, b: Spans, fineness: float) -> Iterator[tuple[tuple[float, ...], Meeting]]:
     """The best pair of each block of rows of ``a``, with its sort key."""
     block = max(1, _PAIRS_AT_ONCE // len(b.radii))
     for start in range(0, len(a.radii), block):
-        ranks, widths, overlaps = _pairs(a.rows(slice(start, start + block)), b)
+        ranks, widths, overlaps = _pairs(a.rows(slice(start, start + block)), b, fineness)
         apart = ranks == _RANKS.index(Basis.APART)
         first = np.where(apart, -overlaps, -widths).ravel()
         second = np.where(apart, -widths, -overlaps).ravel()
@@ -91,14 +94,14 @@ def _best_of_blocks(a: Spans, b: Spans) -> Iterator[tuple[tuple[float, ...], Mee
         yield (float(ranks[i, j]), float(first[best]), float(second[best]), start + i, j), found
 
 
-def _pairs(a: Spans, b: Spans) -> tuple[NDArray[np.intp], Array, Array]:
+def _pairs(a: Spans, b: Spans, fineness: float) -> tuple[NDArray[np.intp], Array, Array]:
     """For every pair of faces (n, m), its rank, the smaller radius [m] and the overlap [m]."""
     radii_a, radii_b = a.radii[:, None], b.radii[None, :]
     overlaps = np.minimum(a.high[:, None], b.high) - np.maximum(a.low[:, None], b.low)
-    beside = overlaps >= -BESIDE
+    beside = overlaps >= -fineness * BESIDE
     facing = a.bores[:, None] != b.bores
     bore = np.where(a.bores[:, None], radii_a, radii_b)
-    are_fits = facing & fits(bore, np.where(a.bores[:, None], radii_b, radii_a), overlaps)
-    flanges = a.bores[:, None] & b.bores & beside & (np.abs(radii_a - radii_b) <= TIGHTEST)
+    are_fits = facing & fits(bore, np.where(a.bores[:, None], radii_b, radii_a), overlaps, fineness)
+    flanges = a.bores[:, None] & b.bores & beside & (np.abs(radii_a - radii_b) <= fineness * TIGHTEST)
     ranks = np.select([are_fits, flanges, beside], [0, 1, 2], 3)
     return ranks.astype(np.intp), np.minimum(radii_a, radii_b), overlaps

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
+from stepbot.robot.joint_table import Basis
 from stepbot.step.assembly import Assembly, AxisFace, Body, BodyKind, Component
 from stepbot.step.features import axes
 from stepbot.step.features.axes import AxisFaces, Selector
@@ -153,6 +154,24 @@ def test_mate_is_the_same_from_both_sides() -> None:
         [_face((0, 0, 3), (0, 0, -1), radius=4, low=-4, high=6), _face((9, 0, 0), radius=1.5)],
     )
     assert [m.point for m in axes.mates(a, b)] == [m.point for m in axes.mates(b, a)]
+
+
+@pytest.mark.parametrize("size", [60.0, 6.0, 2.0, 1.0])
+def test_a_joint_is_on_its_shaft_at_any_size(size: float) -> None:
+    """It is found where the robot is so small that all of its holes are within a millimetre and a half."""
+    r = size / 60.0
+    post = [(0.3, 0.0, 2.0, True), (1.0, 0.0, 60.0, False), (3.0, 0.0, 40.0, False)]
+    arm = [(0.305, 55.0, 60.0, True), (1.02, 40.0, 50.0, True), (3.2, 40.0, 50.0, False)]
+    sides = [
+        [replace(_face((0, 0, 0), radius=a * r, low=b * r, high=c * r), bore=bore) for a, b, c, bore in side]
+        for side in (post, arm)
+    ]
+    assembly = _assembly((Pose(), sides[0]), (Pose(), sides[1]))
+    box = TriMesh.of(np.diag([size * MM] * 3), np.array([[0, 1, 2]], dtype=np.int32))
+    assembly = replace(assembly, bodies=tuple(replace(body, mesh=box) for body in assembly.bodies))
+    (line,) = axes.mates(axes.axis_faces(assembly, [1]), axes.axis_faces(assembly, [2]))
+    assert line.basis is Basis.FIT
+    assert [face.radius * 1e3 / r for face in line.faces] == pytest.approx([1.0, 1.02])
 
 
 def test_cones_do_not_mate() -> None:
