@@ -361,7 +361,7 @@ class Request(Struct, frozen=True):
 
 
 class EngineRefused(Exception):
-    """The engine rejects the file; the message is the engine's own, then, after ``HELP``, what helps, if it is known."""
+    """The engine rejects the file; the message is the engine's own, then, after ``HELP``, what helps, if known."""
 
     HELP = "\nhelp: "
 
