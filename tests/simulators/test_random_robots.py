@@ -16,7 +16,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engines_for
 from stepbot.engines.observation import EngineCannotRead, Quantity, Request
 from stepbot.geometry.inertia import MassProperties
-from stepbot.robot.model import Base, Joint, JointKind, Link, Robot
+from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link, Mimic, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.verification.compare import compare
 from tests.random_robots import drawn_robot
@@ -26,6 +26,7 @@ from tests.workshop import at
 FORMATS = ("urdf", "sdf", "mjcf")
 _ROUND = ((0.04, 0.0, 0.0), (0.0, 0.03, 0.0), (0.0, 0.0, 0.02))
 """In MuJoCo's order: the inertial frame may count as that of the body."""
+_LIMIT = Limit(-3.0, 3.0, 1.0, 2.0)
 
 
 def _misread(robot: Robot, folder: Path, formats: Sequence[str] = FORMATS) -> dict[str, list[str]]:
@@ -97,6 +98,23 @@ def _wheel(com: tuple[float, float, float], base: Base = Base.FIXED, joints: int
 def test_a_centre_of_mass_near_the_frame_is_where_the_file_has_it(distance: float, joints: int, tmp_path: Path) -> None:
     """MuJoCo's compiler moves a centre of mass by up to 1e-6 m onto the frame of its body; the proof does not."""
     assert not _misread(_wheel((distance, 0.0, 0.0), joints=joints), tmp_path, ["mjcf"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [JointKind.REVOLUTE, JointKind.PRISMATIC])
+@pytest.mark.parametrize("base", list(Base))
+def test_an_axis_near_a_coordinate_axis_is_where_the_file_has_it(kind: JointKind, base: Base, tmp_path: Path) -> None:
+    """Drake turns about a coordinate axis 2e-8 rad away; the proof does not, also beside springs and mimics."""
+    body, dynamics = MassProperties(1.0, (0.1, 0.2, 0.3), _ROUND), JointDynamics(0.2, stiffness=3.0)
+    links = [Link(name, body) for name in "abcd"]
+    follows = (None, None, Mimic("j0", 0.5))
+    joints = [
+        Joint(
+            f"j{i}", kind, "abc"[i], "bcd"[i], at(z=0.1), (tilt, 1.0, 0.0), limit=_LIMIT, dynamics=dynamics, mimic=mimic
+        )
+        for i, (tilt, mimic) in enumerate(zip((1e-9, -1.4e-8, 3e-8), follows, strict=True))
+    ]
+    assert not _misread(Robot("tilted", tuple(links), tuple(joints), base=base, source="tilted.step"), tmp_path)
 
 
 def test_the_rounding_is_noted_and_hides_no_difference(tmp_path: Path) -> None:

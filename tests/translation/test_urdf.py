@@ -196,6 +196,22 @@ def test_a_limit_without_bounds_is_reported(tmp_path: Path) -> None:
     assert one.notes == ("ROS (urdfdom) takes 0 for both: the joint cannot move",)
 
 
+@pytest.mark.slow
+def test_a_mesh_with_a_texture_is_read(tmp_path: Path) -> None:
+    """The process that reads it has Pillow, which trimesh needs for coordinates of textures."""
+    corners = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+    lines = [f"v {x} {y} {z}" for x, y, z in corners]
+    faces = [f"f {a}/1 {b}/1 {c}/1" for a, b, c in ((1, 3, 2), (1, 2, 4), (2, 3, 4), (3, 1, 4))]
+    text = "\n".join(["mtllib looks.mtl", *lines, "vt 0.5 0.5", "usemtl skin", *faces, ""])
+    (tmp_path / "part.obj").write_text(text, encoding="utf-8")
+    shape = '<visual><geometry><mesh filename="part.obj"/></geometry></visual>'
+    link = BARE.format("part").replace("</link>", f"{shape}</link>")
+    (tmp_path / "part.urdf").write_text(f'<robot name="part">{link}</robot>', encoding="utf-8")
+    done = convert(tmp_path / "part.urdf", Options(tmp_path / "out", formats=("mjcf",), verify=False, base="fixed"))
+    assert done.diagnostics.exit_code == 0, list(map(str, done.diagnostics))
+    assert [content.count(b"\nf ") for name, content in done.files.items() if name.endswith(".obj")] == [4]
+
+
 @pytest.mark.long
 @pytest.mark.pybullet
 @pytest.mark.parametrize(

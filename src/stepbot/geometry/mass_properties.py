@@ -8,13 +8,13 @@ from .mesh import TriMesh
 from .predicates import is_watertight
 from .volume import VolumeProperties
 
-EXTRAS = ("PIL", "embreex", "fcl", "jsonschema", "manifold3d", "networkx", "rtree", "scipy", "shapely")
-"""Modules that trimesh imports if they are installed, and that nothing here needs of it."""
+EXTRAS = ("embreex", "fcl", "jsonschema", "manifold3d", "networkx", "rtree", "scipy", "shapely")
+"""Modules that trimesh imports if they are installed, and that nothing here needs of it; Pillow reads textures."""
 
 
 def prepare() -> None:
     """Import trimesh, in a process that only measures."""
-    import_lightly("trimesh.triangles", (*EXTRAS, "lxml"))
+    import_lightly("trimesh.triangles", (*EXTRAS, "PIL", "lxml"))
 
 
 def measured(mesh: TriMesh) -> VolumeProperties | None:

@@ -39,7 +39,7 @@ from ..urdf_versions import readable
 from ..xml import xml_root
 from . import ENGINE
 from .coordinates import pose
-from .plant import Built, build
+from .plant import Built, axis_of, build
 
 _NOT_TOLD = "pydrake does not report it"
 _EFFORTS = "Drake stores effort limits per actuator; they are compared as joint limits"
@@ -103,6 +103,9 @@ def observe(request: Request) -> Observation:
     messages = [_plain(line, Path(request.file).parent) for line in lines]
     gaps = [message for message in messages if _GAP.search(message)]
     warnings = [message for message in messages if message not in gaps]
+    if built.rounded:
+        words = "compared without Drake's rounding of axes less than 2e-8 rad from a coordinate axis:"
+        replaced = (*replaced, f"{words} {', '.join(built.rounded)}")
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=(*dict.fromkeys(gaps), *replaced))
 
 
@@ -136,6 +139,7 @@ def _check_mjcf(path: Path) -> None:
 def _static(built: Built, request: Request) -> Observation:
     format_name = "sdf" if request.format == "drake.sdf" else request.format
     held = any(joint.child_body().index() == built.root.index() for joint in built.joints)
+    moving = build(request, bare=True, exact=True) if built.rounded else built
     return Observation(
         engine=ENGINE.name,
         **provider("pydrake"),
@@ -144,9 +148,9 @@ def _static(built: Built, request: Request) -> Observation:
         base=None if format_name == "urdf" else "fixed" if held else "floating",
         links=tuple(_link(built, body) for body in built.bodies),
         joints=_joints(built),
-        coordinates=built.coordinates.names,
-        poses=tuple(_poses(built, q) for q in [*request.configurations, *request.closed]),
-        dynamics=tuple(_dynamics(built, *at) for at in request.moments),
+        coordinates=moving.coordinates.names,
+        poses=tuple(_poses(moving, q) for q in [*request.configurations, *request.closed]),
+        dynamics=tuple(_dynamics(moving, *at) for at in request.moments),
         frames=_frames(built) if format_name == "sdf" else None,
         not_run=_NOT_RUN[format_name],
     )
@@ -364,5 +368,5 @@ def _axes(built: Built, joint: Any, kind: str) -> tuple[Array, Array | None]:
         X_FM = built.plant.CalcRelativeTransform(built.context, joint.frame_on_parent(), joint.frame_on_child())
         R_FM: Array = X_FM.rotation().matrix()
         return R_CM @ (np.array([R_FM[2, 1], R_FM[0, 2], R_FM[1, 0]]) - [R_FM[1, 2], R_FM[2, 0], R_FM[0, 1]]), None
-    getter = {"revolute": "revolute_axis", "prismatic": "translation_axis"}.get(kind)
-    return (R_CM @ np.array(getattr(joint, getter)()) if getter else np.full(3, nan)), None
+    axis = axis_of(joint)
+    return np.full(3, nan) if axis is None else R_CM @ axis, None

@@ -1,7 +1,7 @@
 """A Drake plant of one file, with its state; passive motion, and loops closed by its constraint solver."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import GRAVITY
 
@@ -25,6 +25,9 @@ _LOOP = "form one or more loops"
 _NO_HULL = "MakeConvexHull only applies to"
 _SPRING = re.compile(rb"<spring_(stiffness|reference)>[^<]*</spring_\1>")
 """A spring: it would hold a loop open, since the solver's constraints give way to a load that does not cease."""
+_NEAR = 1e-12, 1e-7
+"""Second component of an axis that Drake may take to be the coordinate axis next to it, if that matters. Drake does so
+where the first component is 1 to within 2.2e-16, and the second thus up to 1.8e-8."""
 _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
 
 
@@ -44,6 +47,8 @@ class Built(Struct, frozen=True, eq=False, dict=True):
     frames: tuple[str, ...]
     """Names of the frames in the file, as far as Drake keeps them."""
     name: str
+    rounded: tuple[str, ...]
+    """Joints whose axis Drake may take to be a coordinate axis."""
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -80,8 +85,16 @@ class Built(Struct, frozen=True, eq=False, dict=True):
         return pose(self.plant.EvalBodyPoseInWorld(self.context, body))
 
 
-def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, bare: bool = False) -> Built:
-    """The plant of a file, without shapes and springs if ``bare``; the root is fixed unless it may float.
+def build(
+    request: Request, gravity: tuple[float, float, float] = GRAVITY, *, bare: bool = False, exact: bool = False
+) -> Built:
+    """The plant of a file; the root is fixed unless it may float.
+
+    Args:
+        request: The file, and whether its root may float.
+        gravity: Acceleration of gravity [m/s^2].
+        bare: Leave out shapes and springs.
+        exact: Leave out constraints and motors, too, and put all axes where the file has them.
 
     Raises:
         EngineRefused: Drake does not read it.
@@ -101,7 +114,7 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, ba
         parser = Parser(plant)
         for name, folder in _packages(path).items():
             parser.package_map().Add(name, folder)
-        if bare:
+        if bare and request.format.endswith("sdf"):
             models = parser.AddModelsFromString(_SPRING.sub(b"", path.read_bytes()).decode(), "sdf")
         else:
             models = parser.AddModels(path)
@@ -111,6 +124,10 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, ba
         root, name = _root(plant, models[0]), plant.GetModelInstanceName(models[0])
         if request.format == "urdf" and not request.floating and not _is_held(plant, root):
             plant.WeldFrames(plant.world_frame(), root.body_frame())
+        rounded = [joint for joint in _joints_of(plant) if _is_near_a_coordinate_axis(joint)]
+        names = tuple(joint.name() for joint in rounded)
+        if exact:
+            _turn_frames(plant, rounded)
         plant.Finalize()
         diagram = builder.Build()
     except (RuntimeError, UnicodeDecodeError) as error:
@@ -126,7 +143,7 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, ba
     context = plant.GetMyMutableContextFromRoot(whole)
     for index in plant.GetJointActuatorIndices():  # armature is compared separately, if the engine reports it
         plant.get_joint_actuator(index).SetRotorInertia(context, 0.0)
-    return Built(plant, scene, diagram, whole, context, root, request, _frame_names(plant), name)
+    return Built(plant, scene, diagram, whole, context, root, request, _frame_names(plant), name, names)
 
 
 def _packages(path: Path) -> dict[str, Path]:
@@ -159,6 +176,38 @@ def _root(plant: Any, model: Any) -> Any:
 def _is_held(plant: Any, root: Any) -> bool:
     """Whether a joint of the file fixes the root to the world."""
     return any(joint.child_body().index() == root.index() for joint in _joints_of(plant))
+
+
+def axis_of(joint: Any) -> Array | None:
+    """Axis of a hinge or slide in the joint's frames; None for other joints."""
+    getter = {"revolute": "revolute_axis", "prismatic": "translation_axis"}.get(joint.type_name())
+    return np.array(getattr(joint, getter)()) if getter else None
+
+
+def _is_near_a_coordinate_axis(joint: Any) -> bool:
+    axis = axis_of(joint)
+    return axis is not None and _NEAR[0] < sorted(np.abs(axis).tolist())[1] < _NEAR[1]
+
+
+def _turn_frames(plant: Any, joints: Sequence[Any]) -> None:
+    """Turn the frames of joints until no axis is near a coordinate axis; the joints move the links as before."""
+    from pydrake.common.eigen_geometry import AngleAxis
+    from pydrake.math import RigidTransform, RotationMatrix
+    from pydrake.multibody.tree import FixedOffsetFrame
+
+    R = RotationMatrix(AngleAxis(1.0, np.ones(3) / np.sqrt(3.0)))
+    for index in plant.GetJointActuatorIndices():
+        plant.RemoveJointActuator(plant.get_joint_actuator(index))
+    for constraint in plant.GetConstraintIds():
+        plant.RemoveConstraint(constraint)
+    for joint in joints:
+        F, M = (
+            plant.AddFrame(FixedOffsetFrame(f"{joint.name()} {side}", frame, RigidTransform(R)))
+            for side, frame in (("inboard", joint.frame_on_parent()), ("outboard", joint.frame_on_child()))
+        )
+        replacement = type(joint)(joint.name(), F, M, R.matrix().T @ axis_of(joint))
+        plant.RemoveJoint(joint)
+        plant.AddJoint(replacement)
 
 
 def _frame_names(plant: Any) -> tuple[str, ...]:
