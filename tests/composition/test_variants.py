@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
+from math import inf
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -13,7 +14,7 @@ from stepbot.formats.usd.asset import configurations
 from stepbot.pipeline.composing import compose
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.sidecars import load
-from stepbot.robot.model import Cylinder, Robot
+from stepbot.robot.model import Cylinder, JointKind, Robot
 from tests.command_line import stepbot
 
 ARM = """
@@ -172,7 +173,40 @@ def test_a_module_is_a_robot_of_the_library(composed: Callable[..., Robot]) -> N
     assert any("did you mean 'arm2'?" in one.help for one in found)
 
 
+@pytest.mark.parametrize("null", ["null", "~"])
+def test_null_drops_a_key(null: str, variant: Callable[..., Robot]) -> None:
+    """In a variant, and in what is set in a module: its sidecar, or its URDF."""
+    lift = WHOLE.replace("{upper: 30 deg, effort: 20}", f"{{velocity: {null}}}")
+    grip = f"{{joints: {{grip: {{type: fixed, limits: {null}}}}}}}"
+    stiff = f"strong: {{modules: {{hand: {{set: {grip}}}}}, actuators: {null}}}"
+    files = {**FILES, "whole.robot.yaml": lift.replace("strong: {modules: {hand: {variant: strong}}}", stiff)}
+    robot = variant("strong", diagnostics := Diagnostics(), files)
+    assert not [one for one in diagnostics if one.severity == "error"]
+    assert (robot.joint_by_name["hand_grip"].kind, robot.actuators) == (JointKind.FIXED, ())
+    assert (effort(robot, "lift"), robot.joint_by_name["lift"].limit.velocity) == (10.0, inf)
+
+
+def test_a_key_that_a_variant_inherits_can_be_dropped(tmp_path: Path) -> None:
+    """The remedy of a key that does not suit the variant's type says how; only there is null a value."""
+    links = "{a: {rest: true}, b: {parts: [b]}}"
+    joint = "{type: revolute, parent: a, child: b, zero: 10 deg, limits: {lower: 0, upper: 1, effort: 1, velocity: 1}}"
+    text = f"version: 1\nrobot: r\nstep: r.step\nlinks: {links}\njoints: {{j: {joint}}}\nvariants:\n  v: "
+    (path := tmp_path / "r.robot.yaml").write_text(text + "{joints: {j: {type: fixed}}}\n", encoding="utf-8")
+    found = json.loads(stepbot("check", path, "--json", cwd=tmp_path).out)["diagnostics"]
+    assert {one["code"] for one in found} == {"SB137"}
+    assert all(one["help"][-1].endswith("`KEY: null`") for one in found)
+    path.write_text(text + "{joints: {j: {type: fixed, zero: null, limits: null}}}\n", encoding="utf-8")
+    assert stepbot("check", path, cwd=tmp_path).code == 0
+    for faulty in (text + "{joints: {j: {zero: }}}\n", text.replace("10 deg", "null") + "{base: floating}\n"):
+        path.write_text(faulty, encoding="utf-8")
+        assert "SB110" in stepbot("check", path, cwd=tmp_path).out
+
+
 FAULTS = {
+    ("strong: {modules: {", "strong: {joints: {grab: null}, modules: {"): (
+        "SB160 15:21 variant 'strong': no key 'grab' to drop"
+    ),
+    ("set: {joints: {lift: {", "set: {joints: {lift: {mimic: null, "): "SB160 5:59 set: no key 'mimic' to drop",
     ("strong: {modules: {hand: {variant: strong}}}", "strong: {like: bare_named}"): (
         "SB160 15:18 variant 'strong': like: circular: bare_named -> strong_named -> strong -> bare_named"
     ),

@@ -144,4 +144,5 @@ def check_sidecar(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
         check_ignored(sidecar.root, local)
     except TooManyFaultsError:
         complete = False
-    local.hand_over(diagnostics, sidecar.path.as_posix(), complete=complete)
+    varied = bool(sidecar.variant or sidecar.is_changed)
+    local.hand_over(diagnostics, sidecar.path.as_posix(), complete=complete, varied=varied)

@@ -218,8 +218,11 @@ class _Composer:
         return [source for source in sources if isinstance(source, Mapping)]
 
     def _filled(self, value: Tree, key_span: Span | None = None) -> Tree:
-        """The value, unless it is empty or null, which no key allows."""
+        """The value, unless it is empty, which no key allows, or null, which drops a key in changes of a sidecar."""
         if not isinstance(value, Scalar) or value.value is not None or value.faulty:
+            return value
+        changes = self._keys[0] == "variants" or (self._keys[0] == "modules" and self._keys[2:3] == ["set"])
+        if changes and value.text and isinstance(self._keys[-1], str) and len(self._keys) > 2:
             return value
         start = key_span or value.span
         comment = self._lines[start.line - 1][start.end_column - 1 :].lstrip(": ") if start.end_column else ""

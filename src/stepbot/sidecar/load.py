@@ -116,7 +116,7 @@ def _composed(text: str, file: str) -> tuple[Composed, tuple[Diagnostic, ...]]:
 
 def _changed(root: Mapping, variant: str, module: Tree | None, diagnostics: Diagnostics) -> Mapping | None:
     """The sidecar as its variant and with the changes of another file; None after SB160."""
-    from .variants import merged, unknown_elements, with_variant
+    from .variants import merged, report_undropped, unknown_elements, with_variant
 
     changes = None if module is None else child(module, "set")
     varied = with_variant(root, variant, diagnostics, module) if variant else root
@@ -126,6 +126,7 @@ def _changed(root: Mapping, variant: str, module: Tree | None, diagnostics: Diag
         message = f"set: no {section.removesuffix('s')} '{name}' in '{Path(root.span.file).name}'"
         help = did_you_mean(name, known) or ((f"known: {', '.join(known[:6])}",) if known else ())
         diagnostics.add("SB160", message, key_span(changes, (section, name)), help=help)
+    report_undropped(varied, changes, "set", diagnostics)
     whole = merged(varied, changes)
     return whole if isinstance(whole, Mapping) and not diagnostics.has_errors else None
 

@@ -165,10 +165,17 @@ class BoundedDiagnostics(Diagnostics):
                     raise TooManyFaultsError
         return taken
 
-    def hand_over(self, diagnostics: Diagnostics, file: str, *, complete: bool) -> None:
-        """Add all diagnostics to another collector, in file order, and report if there were more."""
+    def hand_over(self, diagnostics: Diagnostics, file: str, *, complete: bool, varied: bool = False) -> None:
+        """Add all diagnostics to another collector, in file order, and report if there were more.
+
+        Args:
+            varied: Whether the sidecar is a variant, or has values of another file, which can drop keys.
+        """
         beyond = list(self._errors)[MOST_FAULTS:]
         shown = [one for one in self if one not in beyond]
+        if varied:
+            drop = "or drop the key where the other values are: `KEY: null`"
+            shown = [one._replace(help=(*one.remedies, drop)) if one.code == "SB137" else one for one in shown]
         diagnostics.extend(sorted(shown, key=lambda d: (d.span.line, d.span.column, d.code)))
         if not complete:
             help = ["correct these errors first"]

@@ -33,22 +33,47 @@ def variant_names(text: str) -> tuple[str, ...]:
     return tuple(entries_of(child(root, "variants"))) if root is not None else ()
 
 
-def merged(base: Tree, patch: Tree) -> Tree:
-    """The base with the values of the patch: mappings are merged key by key, everything else is replaced.
+def merged(base: Tree, patch: Tree, keys: Keys = ()) -> Tree:
+    """The base with the values of the patch, which are at ``keys``: mappings are merged, everything else is replaced.
 
-    An inertia is one value. A module that gets another file keeps nothing that names elements of the former one.
+    A null drops the key; in `set` of a module that does not have it, that of the module. An inertia is one value. A
+    module that gets another file keeps nothing that names elements of the former one.
     """
     if not (isinstance(base, Mapping) and isinstance(patch, Mapping)):
         return patch
     entries = dict(base.entries)
     for key, new in patch.entries.items():
         old = entries.get(key)
-        if old is None or key in _WHOLE:
-            entries[key] = new
+        if _is_null(new.value) and (old is not None or not _is_of_module(keys)):
+            entries.pop(key, None)
+        elif old is None or key in _WHOLE:
+            empty = _mapping(new.value, {}) if isinstance(new.value, Mapping) else new.value
+            entries[key] = Entry(new.key_span, merged(empty, new.value, (*keys, key)))
         else:
             value = _with_other_files(old.value, new.value) if key == "modules" else old.value
-            entries[key] = Entry(old.key_span, merged(value, new.value))
+            entries[key] = Entry(old.key_span, merged(value, new.value, (*keys, key)))
     return _mapping(base, entries)
+
+
+def _is_null(tree: Tree) -> bool:
+    return isinstance(tree, Scalar) and tree.value is None and not tree.faulty
+
+
+def _is_of_module(keys: Keys) -> bool:
+    """Whether what is at ``keys`` is about keys of a module's file."""
+    return keys[:1] == ("modules",) and keys[2:3] == ("set",)
+
+
+def report_undropped(base: Tree | None, patch: Tree, who: str, diagnostics: Diagnostics, keys: Keys = ()) -> None:
+    """Report SB160: nulls of a patch for keys that the base does not have."""
+    known = entries_of(base)
+    for key, entry in entries_of(patch).items():
+        if not _is_null(entry.value):
+            below = known[key].value if key in known else None
+            report_undropped(below, entry.value, who, diagnostics, (*keys, key))
+        elif key not in known and not _is_of_module(keys):
+            help = (*did_you_mean(key, known), "remove it")
+            diagnostics.add("SB160", f"{who}: no key '{key}' to drop", entry.key_span, help=help)
 
 
 def _with_other_files(modules: Tree, patch: Tree) -> Tree:
@@ -79,6 +104,7 @@ def with_variant(root: Mapping, name: str, diagnostics: Diagnostics, module: Tre
     whole = root
     for patch in patches:
         entries = {key: entry for key, entry in patch.entries.items() if key not in OWN_KEYS}
+        report_undropped(whole, _mapping(patch, entries), f"variant '{name}'", diagnostics)
         with_values = merged(whole, _mapping(patch, entries))
         assert isinstance(with_values, Mapping)
         whole = _without(with_values, child(patch, "without"), f"variant '{name}'", diagnostics)
