@@ -29,11 +29,18 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import asdict
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.codes import CODES
+from stepbot.formats import FORMATS
+from stepbot.formats.rendering import render
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.runtime import temporary
+from stepbot.runtime.cache.sources import environment
 from stepbot.runtime.worker import Worker
+from stepbot.sidecar.load import load_sidecar
 from stepbot_cli import main as command
 from tests.fuzz.judge import FAILED, OF_PYDANTIC, Verdict
+from tests.robots import ROBOTS
 from tests.warm import warm_processes
 
 from . import sandbox
@@ -298,6 +305,8 @@ def _serve(arguments: Sequence[str], place: Path, cache: Path, out: Path, err: P
 def main(bases: Path, folder: Path) -> None:
     """Answer until there are no more names."""
     _import_rooms()
+    _use_once(bases)
+    gc.freeze()  # memory that nobody writes to stays shared
     with warm_processes():
         for function in _WORKERS:
             with contextlib.closing(Worker(function)) as worker:  # the servers are started here, once
@@ -318,7 +327,18 @@ def _import_rooms() -> None:
         for module in pkgutil.walk_packages(package.__path__, f"{room}."):
             if not module.name.endswith("__main__"):
                 importlib.import_module(module.name)
-    gc.freeze()  # memory that nobody writes to stays shared
+
+
+def _use_once(bases: Path) -> None:
+    """Make what a process makes at its first use: each forked process would make it anew.
+
+    These are hashes of stepbot and of the installed packages, the validators of sidecars, and compiled expressions.
+    """
+    environment()
+    for sidecar in sorted(bases.glob("sidecar-*/main.robot.yaml")):
+        load_sidecar(sidecar, Diagnostics())
+    for written_in in FORMATS:
+        render(share_meshes(ROBOTS["equipped"]()), written_in, Diagnostics())
 
 
 _ROOMS = (

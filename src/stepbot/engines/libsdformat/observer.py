@@ -25,9 +25,12 @@ _SECONDS = 120.0
 
 
 @cache
-def _command() -> str | None:
-    """The command that has ``sdf`` as a subcommand."""
-    return next((program for program in sdf_programs() if _run(program, "--versions").strip()), None)
+def _command() -> tuple[str, str] | None:
+    """The command that has ``sdf`` as a subcommand, and its latest version; each run takes a third of a second."""
+    for program in sdf_programs():
+        if versions := _run(program, "--versions").strip().splitlines():
+            return program, versions[-1].strip()
+    return None
 
 
 def _run(program: str, *arguments: str) -> str:
@@ -58,9 +61,10 @@ def observe(request: Request) -> Observation:
         EngineRefused: It reports an error in the file.
         EngineCannotRead: The file is of a newer version than it supports, or the command is missing.
     """
-    program = _command()
-    if program is None:
+    command = _command()
+    if command is None:
         raise EngineCannotRead("neither `gz sdf` nor `ign sdf` is installed")
+    program, version = command
     folder = f"{Path(request.file).parent.as_posix()}/"
     text = _COLOR.sub("", _run(program, "--check", request.file)).replace(folder, "")
     later = _LATER.search(text)
@@ -73,7 +77,7 @@ def observe(request: Request) -> Observation:
         raise EngineRefused("; ".join(dict.fromkeys(_PLACE.sub("", line) for line in lines)))
     return Observation(
         engine=ENGINE.name,
-        version=_run(program, "--versions").split("\n")[-2].strip(),
+        version=version,
         format=request.format,
         warnings=tuple(dict.fromkeys(_PLACE.sub("", line) for line in lines if line != "Valid.")),
         not_run={quantity: _ONLY_PARSES for quantity in Quantity if quantity not in _TOLD},
