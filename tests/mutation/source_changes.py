@@ -101,7 +101,7 @@ def changes(path: str, source: bytes) -> list[Change]:
         elif isinstance(node, ast.If | ast.IfExp | ast.While):
             start, end = span(node.test)
             yield change(start, end, f"not ({source[start:end].decode()})")
-        elif isinstance(node, ast.Return) and node.value is not None and not _is_none(node.value):
+        elif isinstance(node, ast.Return) and node.value is not None and not _is_false(node.value):
             yield change(*span(node.value), "None")
         elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
             yield change(*span(node), "...")
@@ -137,5 +137,6 @@ def _other(value: float) -> str:
     return repr(value * 2.0 if value else 1.0)
 
 
-def _is_none(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value is None
+def _is_false(node: ast.expr) -> bool:
+    """Whether a result is None or False, for which None makes no difference to callers."""
+    return isinstance(node, ast.Constant) and (node.value is None or node.value is False)

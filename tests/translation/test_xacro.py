@@ -164,12 +164,13 @@ def test_an_error_in_a_macro_has_its_line_and_its_call(tmp_path: Path) -> None:
     assert found.error.startswith("division by zero")
 
 
-def test_wrong_arguments_are_named(legs: Path) -> None:
-    """An argument that the file does not declare is an error with the nearest one."""
+@pytest.mark.parametrize(("name", "help"), [("lenght", "did you mean 'length'?"), ("w", "arguments: length")])
+def test_wrong_arguments_are_named(legs: Path, name: str, help: str) -> None:
+    """An argument that the file does not declare is an error with the nearest one, or all."""
     found = Diagnostics()
-    check(legs, Options(legs.parent, xacro=(("lenght", "1"),)), found)
+    check(legs, Options(legs.parent, xacro=((name, "1"),)), found)
     fault = next(one for one in found if one.code == "SB877")
-    assert fault.help == ("did you mean 'length'?",)
+    assert fault.help == (help,)
 
 
 def test_an_argument_that_is_used_need_not_be_declared(tmp_path: Path) -> None:

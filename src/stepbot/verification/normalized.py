@@ -256,7 +256,7 @@ def joined(parts: Sequence[ObservedShape]) -> ObservedShape:
 
 
 def _by_box(a: Sequence[ObservedShape], b: Sequence[ObservedShape]) -> Iterator[tuple[ObservedShape, ObservedShape]]:
-    """Pairs of shapes whose boxes are nearest; those without a box in the order of the files."""
+    """Pairs of shapes whose boxes are nearest; those without a box are paired in the order of the files."""
     left = list(b)
     for one in a:
         apart = [_apart(one, other) for other in left]
@@ -264,7 +264,9 @@ def _by_box(a: Sequence[ObservedShape], b: Sequence[ObservedShape]) -> Iterator[
 
 
 def _apart(a: ObservedShape, b: ObservedShape) -> float:
-    return 0.0 if a.bounds is None or b.bounds is None else float(np.abs(np.subtract(a.bounds, b.bounds)).max())
+    if a.bounds is None or b.bounds is None:
+        return 0.0 if a.bounds is b.bounds else inf
+    return float(np.abs(np.subtract(a.bounds, b.bounds)).max())
 
 
 def _same_looks(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, ObservedShape]:

@@ -103,6 +103,14 @@ def test_rings_of_one_bearing_turn_on_each_other() -> None:
     }
 
 
+def test_a_ring_outside_of_a_bearing_is_no_ring_of_it() -> None:
+    """A ring in what is named a bearing turns in one elsewhere only by its width and seat."""
+    rings = [part("in", cylinder(5.6, 7) - cylinder(4, 7)), part("out", cylinder(11, 7) - cylinder(9.3, 7))]
+    shaft = cylinder(4, 60).at(0, 0, -30) + box(80, 80, 10).at(0, 0, -35)
+    found = inferred(part("stand", shaft), part("arm", SEAT), group("608ZZ", rings[0]), group("tube", rings[1]))
+    assert [arc.evidence.why for arc in found.arcs] == ["rings of one width, each in a seat of its own"]
+
+
 @pytest.mark.parametrize("outer_width", [7.0, 4.0])
 def test_rings_of_one_width_in_seats_of_their_own_turn(outer_width: float) -> None:
     """Rings that no name or tree shows to be a bearing turn, marked, if they are equally wide."""

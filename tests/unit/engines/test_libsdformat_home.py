@@ -17,7 +17,7 @@ case "$2" in --versions) printf '12.7.2\\n';; *) echo Valid.;; esac
 
 @pytest.mark.skipif(os.name != "posix", reason="the program is a shell script")
 def test_log_of_libsdformat_is_a_temporary_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its library opens a log below $HOME when it is loaded; a run takes a third of a second, two for the first file."""
+    """Its library opens a log below $HOME when it is loaded; the version is read once, since a run takes a while."""
     home, programs = tmp_path / "home", tmp_path / "bin"
     home.mkdir()
     programs.mkdir()

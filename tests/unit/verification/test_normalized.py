@@ -59,6 +59,13 @@ def test_shapes_without_names_are_paired_by_their_boxes() -> None:
     assert _failed(named, swapped) == {Quantity.SHAPES}
 
 
+def test_a_shape_without_a_box_is_paired_with_another_one() -> None:
+    """Such as a plane: it takes no box away from the shape that has nearly the same."""
+    red, blue, nearly = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0), tuple(tuple(x + 1e-9 for x in p) for p in BOX)
+    named = _shown("mjcf", ObservedShape("a", red, bounds=BOX), ObservedShape("b", blue))
+    assert not _failed(named, _shown("urdf", ObservedShape("", blue), ObservedShape("", red, bounds=nearly)))
+
+
 def test_three_shapes_stand_for_a_capsule() -> None:
     """A cylinder and two spheres are compared with the capsule: colour and box."""
     red, blue = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)

@@ -6,8 +6,10 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engines_for
+from stepbot.engines.workers import Fate, Outcome
 from stepbot.report.robot import Status
 from stepbot.verification.conversion import Provers, verify
+from stepbot.verification.judging import checks_within
 from tests.conftest import ReadDiagnostics
 from tests.robots import four_bar, one_link
 from tests.simulators.conftest import write
@@ -42,3 +44,18 @@ def test_companions_for_optional_engines_alone_are_not_reported(
     with Provers(["drake.sdf"]) as provers:
         verify(folder.robot, {"drake.sdf": folder.written["drake.sdf"]}, provers, found, timeout=60.0)
     assert [one.code for one in found if one.code == "SB815"] == []
+
+
+@pytest.mark.parametrize(
+    ("fates", "codes"),
+    [
+        ([Fate.ABSENT, Fate.UNREADABLE], ["SB815"]),
+        ([Fate.ABSENT, Fate.REFUSED], ["SB801"]),
+    ],
+)
+def test_a_file_is_unread_unless_an_engine_refuses_it(fates: list[Fate], codes: list[str]) -> None:
+    """That an engine rejects it is reported instead, and fails its check."""
+    outcomes = [Outcome("a.sdf", "sdf", name, fate) for name, fate in zip(("drake", "pybullet"), fates, strict=True)]
+    found = ReadDiagnostics()
+    list(checks_within("a.sdf", outcomes, found))
+    assert found.codes() == codes

@@ -81,7 +81,7 @@ def meeting(a: Spans, b: Spans, fineness: float = 1.0) -> Meeting:
 
 
 def _best_of_blocks(a: Spans, b: Spans, fineness: float) -> Iterator[tuple[tuple[float, ...], Meeting]]:
-    """The best pair of each block of rows of ``a``, with its sort key."""
+    """The best pair of each block of rows of ``a``, the first of equal ones, with its sort key."""
     block = max(1, _PAIRS_AT_ONCE // len(b.radii))
     for start in range(0, len(a.radii), block):
         ranks, widths, overlaps = _pairs(a.rows(slice(start, start + block)), b, fineness)
@@ -91,7 +91,7 @@ def _best_of_blocks(a: Spans, b: Spans, fineness: float) -> Iterator[tuple[tuple
         best = int(np.lexsort((second, first, ranks.ravel()))[0])
         i, j = divmod(best, len(b.radii))
         found = Meeting(_RANKS[int(ranks[i, j])], (start + i, j), float(overlaps[i, j]))
-        yield (float(ranks[i, j]), float(first[best]), float(second[best]), start + i, j), found
+        yield (float(ranks[i, j]), float(first[best]), float(second[best])), found
 
 
 def _pairs(a: Spans, b: Spans, fineness: float) -> tuple[NDArray[np.intp], Array, Array]:

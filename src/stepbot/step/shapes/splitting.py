@@ -65,7 +65,7 @@ def _pairs_around(mesh: Stitched, sides: Indices) -> list[tuple[int, int]]:
     if is_forward[order[0]]:
         order = np.roll(order, -1)
     backward, forward = order[0::2], order[1::2]
-    if len(sides) % 2 or is_forward[backward].any() or not is_forward[forward].all():
+    if is_forward[backward].any() or not is_forward[forward].all():  # of an odd number one does not alternate
         return []
     return [(int(a), int(b)) for a, b in zip(sides[backward], sides[forward], strict=True)]
 

@@ -1,7 +1,7 @@
 """Mass properties of splined solids, against planar integrals without faces, trimming or kernel."""
 
 from collections.abc import Callable
-from math import cos, pi, sin
+from math import cos, inf, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -258,6 +258,17 @@ def test_the_larger_difference_is_the_error(monkeypatch: pytest.MonkeyPatch) -> 
     by_meshes = estimated(shape, right, mesh, is_closed=True)
     assert by_meshes.properties == right, "the one that meshes tend to"
     assert estimated(shape, right, mesh, is_closed=False).error > 1e-3, "neither converges"
+    claiming(0.0, 0.0)
+    assert estimated(shape, right, mesh, is_closed=False).error == inf, "integrals without a volume confirm nothing"
+
+
+def test_what_agrees_with_the_kernel_is_integrated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Integration that converges takes several times as long, and is not needed."""
+    shape = as_nurbs(solids.cylinder(3, 10).shape)
+    right = properties_of(Boundary(shape, np.zeros(3)).integrals(2), np.zeros(3))
+    assert right is not None
+    monkeypatch.setattr(Boundary, "converged", lambda *_: pytest.fail("integrated again"))
+    assert estimated(shape, right, tessellated(shape, Fineness(0.01, 0.2)), is_closed=False).error < 1e-5
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-7, 1e-5, 1e-3])
