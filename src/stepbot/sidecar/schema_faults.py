@@ -200,8 +200,10 @@ def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
     if keys[:-1] == ("self_collision", "exclude"):
         return _Fault("SB123", f"expected one of {_words(error)}, not {_shown(value)}", (_KINDS_OF_PAIRS,))
     if not isinstance(value, Scalar):
-        help = (_one_of_list(keys, value) or f"choices: {_words(error)}",)
-        return _Fault("SB122", f"expected one of {_words(error)}, not {_shown(value)}", help)
+        first, choices = child(value, 0), _words(error)
+        meant = f"'{first.text}'" in choices if isinstance(first, Scalar) else False
+        help = (_one_of_list(keys, value) if meant else f"choices: {choices}",)
+        return _Fault("SB122", f"expected one of {choices}, not {_shown(value)}", help)
     if keys[-1] == "auto":
         return _Fault("SB123", "the only valid value is true; remove `auto` to use another form of origin")
     words = [word.strip("'") for word in _words(error).split(", ")]

@@ -213,6 +213,8 @@ def test_a_list_where_a_word_is_required() -> None:
     assert fault.code == "SB122"
     assert fault.message.startswith("parts rule 'a': collision: expected one of 'none', 'mesh',")
     assert fault.message.endswith(", not a list")
+    (fault,) = findings(ARM + "root: {up: [0, 1, 0]}\n")
+    assert fault.help == ("choices: 'z', '-z', 'y', '-y', 'x', '-x'",)
 
 
 def test_key_under_another_name_is_not_missing_too() -> None:
