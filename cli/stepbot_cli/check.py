@@ -175,6 +175,8 @@ def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, 
             size = f"{counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}; STEP not read (--step)"
             size = size if robot.named else "modules not read (--step)"
             write_filled(f"{several}ok: {robot.robot if read else size}")
+        if open_step and not robot.is_loaded:
+            write_filled(f"{name}: STEP not read: correct the errors of the sidecar first")
         if display.verbose:
             show_joint_rows(robot.joint_table)
         elif any(row.evidence.doubt for row in robot.joint_table):

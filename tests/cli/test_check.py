@@ -47,6 +47,19 @@ def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
     assert "2 errors" in run.out.splitlines()[-1]
 
 
+def test_errors_of_a_sidecar_keep_its_step_from_being_read(arm: Path, stepbot: Stepbot) -> None:
+    """What `--step` asks for was not done: the output states it, so that nobody waits for findings of the CAD."""
+    damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
+    run = stepbot("check", "--step", "arm2.robot.yaml")
+    assert run.out.startswith("arm2.robot.yaml: STEP not read: correct the errors of the sidecar first\n")
+    assert "STEP not read" not in stepbot("check", "arm2.robot.yaml").out
+    damage(arm / "arm2.robot.yaml", "child: forarm", "child: forearm")
+    (arm / "arm2.step").unlink()
+    run = stepbot("check", "--step", "arm2.robot.yaml")
+    assert "SB001" in run.out
+    assert "STEP not read" not in run.out
+
+
 def test_concise_is_one_line_each(arm: Path, stepbot: Stepbot) -> None:
     """`--concise` prints one line per finding."""
     damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")

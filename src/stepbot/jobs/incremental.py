@@ -179,7 +179,7 @@ def check(sidecar: Path, options: Options, diagnostics: Diagnostics, *, open_ste
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            named, links, joints, table, robot = checked
+            named, links, joints, table, robot, _ = checked
             rows = _rows().encode(table) if table else b""
             kept = _Findings(tuple(local), local.ignored, (named, links, joints, robot), rows)
             TypedCache(cache, _Findings).put(after, kept)

@@ -101,6 +101,8 @@ class Checked(NamedTuple):
     """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
     robot: str = ""
     """Name, size and mass of the robot in words; empty as ``joint_table``."""
+    is_loaded: bool = True
+    """Whether the sidecar has no errors of its own, so that the STEP or the modules were read if they were to be."""
 
 
 class Kept(NamedTuple):

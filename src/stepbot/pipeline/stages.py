@@ -177,7 +177,7 @@ def check(sidecar: Path, options: Options, diagnostics: Diagnostics, *, open_ste
 
     A URDF, SDFormat or MJCF is read with its meshes.
     """
-    checked = Checked()
+    checked = Checked(is_loaded=False)
     try:
         if is_description(sidecar):
             from .translating import check_description
