@@ -168,6 +168,8 @@ class _Drive:
         with Worker(_SURVEY, memory_limit=self._memory_limit) as worker:
             worker.submit(file, self._mechanism, fingers, self._demands.mass, self._demands.objects)
             survey: Survey | None = self._result("mujoco", worker)
+        if survey is not None:
+            self._facts = replace(self._facts, overlaps=survey.overlaps)
         return survey
 
     def verdicts(self, assignments: Mapping[str, Assignment]) -> tuple[Verdict, ...]:

@@ -8,7 +8,7 @@ from msgspec import Struct
 from stepbot.diagnostics import Diagnostics, Span
 
 from .limits import UNITS, Bound, Demands
-from .remedies import Facts, fate, grip_remedies, remedy, spin_words
+from .remedies import Facts, fate, grip_remedies, overlap_words, remedy, spin_words
 from .results import Measure, Result
 
 _WAYS = ("distance error", "turn error")
@@ -63,9 +63,13 @@ def judge(
         facts: What the robot's report states about remedies.
     """
     span = Span(file)
+    overlaps = overlap_words(facts.overlaps) if facts and facts.overlaps and engine == "mujoco" else ()
+    cause, likely = overlaps[:1], overlaps[1:]  # stated once, with the first failure
     for result in results:
         if isinstance(result, str):
-            diagnostics.add("SB830", f"{result} in {engine}: the simulation diverged", span)
+            message = f"{result} in {engine}: the simulation diverged"
+            diagnostics.add("SB830", message, span, help=likely, notes=cause)
+            cause = likely = ()
             yield Verdict(engine, result, Status.FAILED, why="diverged")
             continue
         bounds = demands.limits[result.test]
@@ -84,7 +88,8 @@ def judge(
             if result.spin is not None and one.quantity in _WAYS:
                 why, help = spin_words(result.spin, gains=engine == "mujoco")
                 notes = (why, *notes)
-            diagnostics.add("SB830", message, span, help=(help,), notes=notes)
+            diagnostics.add("SB830", message, span, help=(*likely, help), notes=(*cause, *notes))
+            cause = likely = ()
         status = Status.FAILED if failed else Status.PASSED
         yield Verdict(engine, result.test, status, lost, result, {name: bound.value for name, bound in bounds.items()})
 

@@ -37,6 +37,10 @@ _STRONG = 0.9
 """Effort, relative to its limit, from which a larger kp gains nothing."""
 
 
+_MOST_OVERLAPS = 3
+"""Number of overlaps that a message names, the deepest ones."""
+
+
 class Facts(Struct, frozen=True):
     """What the report of a robot states about remedies."""
 
@@ -46,6 +50,8 @@ class Facts(Struct, frozen=True):
     """Links whose collision shapes may fill hollows."""
     light: frozenset[str] = frozenset()
     """Joints with motors and without armature."""
+    overlaps: Mapping[tuple[str, str], float] = {}
+    """How deep [m] links are in each other in the initial pose, in MuJoCo."""
 
 
 def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
@@ -73,6 +79,17 @@ def remedy(quantity: str, where: str, facts: Facts) -> str:
     if where in facts.light:
         return f"state the inertia of the motor's rotor at the joint, `dynamics: {{armature: ...}}`, or {shorter}"
     return f"correct the masses or the limits of the joint, which its gains are computed from, or {shorter}"
+
+
+def overlap_words(overlaps: Mapping[tuple[str, str], float]) -> tuple[str, str]:
+    """Which links overlap in the initial pose, and what helps; the deepest first."""
+    deepest = sorted(overlaps, key=lambda pair: (-round(overlaps[pair], 6), pair))
+    shown = [f"'{a}' and '{b}' by {1e3 * overlaps[a, b]:.3g} mm" for a, b in deepest[:_MOST_OVERLAPS]]
+    pairs = ", ".join(f"[{a}, {b}]" for a, b in deepest[:_MOST_OVERLAPS])
+    return (
+        f"links overlap in the initial pose, and their contacts push them apart: {'; '.join(shown)}",
+        f"likely the overlaps: `collision` with closer shapes for these links, or `excluded_contacts: [{pairs}]`",
+    )
 
 
 def spin_words(spin: Spin, *, gains: bool) -> tuple[str, str]:

@@ -88,6 +88,8 @@ class Survey(Struct, frozen=True):
     """Why no cube can be gripped, for the first motor of each pair of links that may be fingers, or of each jaw."""
     ranges: tuple[SweptRange, ...] = ()
     """What the sweep of each bounded joint covers."""
+    overlaps: Mapping[tuple[str, str], float] = {}
+    """How deep [m] links are in each other in the initial pose."""
 
 
 def survey(
@@ -102,6 +104,7 @@ def survey(
         objects: What pairs of fingers grip in its place.
     """
     place = _Place(file, mechanism)
+    overlaps = place.overlaps()
     swept = tuple(place.sweep(motor) for motor in place.servos)
     sweeps = tuple(move for move, _ in swept)
     ranges = tuple(
@@ -125,6 +128,7 @@ def survey(
             if isinstance(found, str)
         },
         ranges=ranges,
+        overlaps=overlaps,
     )
 
 
@@ -143,6 +147,13 @@ class _Place:
         self.servos = [motor for motor in mechanism.motors if motor.kind is ActuatorKind.POSITION]
         self._allowed = inf
         self._allowed = self._depth(mechanism.home) + _CLEAR
+
+    def overlaps(self) -> Mapping[tuple[str, str], float]:
+        """The overlaps of links in the initial pose."""
+        if self._simulation is None:
+            return {}
+        self._simulation.reset(self._mechanism.home)
+        return self._simulation.overlaps(_CLEAR)
 
     def _depth(self, q: Q) -> float:
         if self._simulation is None:

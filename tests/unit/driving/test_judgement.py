@@ -1,5 +1,7 @@
 """Verdicts on the numbers of drive tests, and the remedies of failed ones."""
 
+from pathlib import Path
+
 import pytest
 from msgspec.structs import replace
 
@@ -9,8 +11,9 @@ from stepbot.driving.limits import demands
 from stepbot.driving.remedies import Facts, facts_of
 from stepbot.driving.results import Grip, Loss, Measure, Plot, Result, Spin
 from stepbot.engines.simulation import Cube
+from stepbot.geometry.spatial import IDENTITY
 from stepbot.robot.model import JointDynamics
-from tests.unit.driving.workbench import clamp
+from tests.unit.driving.workbench import clamp, gripper, stage_of
 
 
 def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
@@ -66,6 +69,23 @@ def test_a_base_that_stays_behind_says_what_its_wheels_did(spin: Spin, engine: s
     assert why in way.notes[0]
     assert remedy in way.help[0]
     assert len(tilted.notes) == 1
+
+
+@pytest.mark.mujoco
+def test_links_that_overlap_at_the_start_are_the_likely_cause(tmp_path: Path) -> None:
+    """The first failure in MuJoCo names them, with their depth, and how to exclude their contacts."""
+    robot = gripper(20.0)
+    assert not stage_of(robot, "mujoco", tmp_path).survey.overlaps
+    joints = tuple(replace(joint, X_PC=IDENTITY) for joint in robot.joints)
+    overlaps = stage_of(replace(robot, joints=joints), "mujoco", tmp_path).survey.overlaps
+    assert overlaps == {("left", "right"): pytest.approx(0.01, abs=1e-6)}
+    measures = (Measure("angle error", 60.0, "left"), Measure("angle drift", 60.0, "left"))
+    result = Result("hold", measures, Plot("t", "mm", {}))
+    for engine, named in (("mujoco", [True, False]), ("pybullet", [False, False])):
+        found = Diagnostics()
+        list(judge(engine, "r.xml", [result], demands({}), found, Facts(overlaps=overlaps)))
+        assert ["'left' and 'right' by 10 mm" in one.notes[0] for one in found] == named
+        assert ["`excluded_contacts: [[left, right]]`" in one.help[0] for one in found] == named
 
 
 SLIPPED = Grip("close", frozenset({"jaw", "hand"}), Cube(0.011, 0.2), (0.003, 0.13), 23.0, 0.04, Loss.SLIPPED, 0.49)
