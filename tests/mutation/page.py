@@ -12,7 +12,7 @@ from msgspec import Struct
 
 from tests.robots import ROBOTS
 
-from .reasons import reason_for
+from .reasons import NO_REASON, reason_for
 from .removal import UNREAD
 from .trial import Verdict, verdicts
 
@@ -139,14 +139,16 @@ def _survivors(row: Row, found: Sequence[Verdict]) -> Iterator[str]:
 
 
 def main() -> int:
-    """Write the page, and report shares below the target."""
+    """Write the page, and report shares below the target and removals without a reason."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--of-each", type=int, default=None, metavar="N")
     of_each = parser.parse_args().of_each
     with tempfile.TemporaryDirectory() as folder:
         found = list(verdicts(ROBOTS, ALL, Path(folder), of_each))
-    write_section("", page(found, of_each))
-    missed = [f"{row.title} by {row.engines}" for row in ROWS if share(row, found) < row.wanted]
+    text = page(found, of_each)
+    write_section("", text)
+    missed = [line for line in text.splitlines() if NO_REASON in line]
+    missed += [f"{row.title} by {row.engines}" for row in ROWS if share(row, found) < row.wanted]
     sys.stderr.write("".join(f"missed: {one}\n" for one in missed))
     return 1 if missed else 0
 

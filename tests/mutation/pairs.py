@@ -66,7 +66,7 @@ def _scaled(text: str, factor: float) -> str:
 
 
 def differences(first: Path, other: Path, written_in: str, *, by_diff: bool = True) -> str:
-    """What differs between two files; empty if they are called equal.
+    """What differs between two files; empty if they are called equal, ``refused`` if an engine rejects the first.
 
     Args:
         first: The first file.
@@ -88,8 +88,10 @@ def differences(first: Path, other: Path, written_in: str, *, by_diff: bool = Tr
     said = {path.as_posix(): statements(path, written_in) for path in formats}
     asked = replace(asked, texts=said)
     ours, theirs = (_seen(path, written_in, asked.requests[path.as_posix()]) for path in formats)
-    if ours is None or theirs is None:
+    if ours is None:
         return "refused"
+    if theirs is None:
+        return "an engine rejects the other file"
     results = _compared_across(ours, theirs, asked, first=True, whole=by_diff)
     failed = [one for one in results if one.deviations.failures and not one.not_run]
     return "; ".join(f"{one.quantity.value}: {one.deviations.failures[0]}" for one in failed)

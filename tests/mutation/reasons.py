@@ -1,9 +1,14 @@
 """Why some removals and changes in a file are not detected."""
 
 import re
+from collections.abc import Sequence
+
+NO_REASON = "no reason known"
+"""In the tables, for what the makers of the page must look into."""
 
 _PYBULLET = (
     (r"link/(visual|collision)@name", "PyBullet keeps no names of shapes"),
+    (r"(visual|collision)/pose", "of a link with a capsule, of which PyBullet reports no box"),
     (r"inertia/i..|inertial/inertia", "PyBullet computes inertias from the collision shapes in SDFormat"),
     (r"sdf@version", "PyBullet ignores the version"),
     (r"(model/frame|frame/).*", "PyBullet reads no frames"),
@@ -48,7 +53,11 @@ _SDFORMAT = (
 )
 _MJCF = (
     (r"mujoco/option(@.*)?", "settings of the simulation, not of the robot"),
+    (r"mujoco/compiler(@angle)?", "no angle in the file"),
     (r"default/(equality|site)(@.*)?", "stiffness of closures, and the group of sites that viewers do not draw"),
+    (r"default/geom@(solref|solimp)", "stiffness of contacts, of which the robot states none"),
+    (r"worldbody/body@pos", "the height at which a floating base stands in its world"),
+    (r"body/inertial@diaginertia", "zero: a massless link"),
     (r"body/site@class|equality/.*@class", "its settings alone: group or stiffness"),
     (r"actuator/\w+@name", "an actuator without a name is matched by its joint"),
     (r"body/freejoint@name", "the free joint of the base is not a joint of the robot"),
@@ -73,11 +82,11 @@ _OF = {"urdf": _URDF, "mjcf": _MJCF, "sdf": _SDFORMAT, "drake.sdf": _SDFORMAT}
 
 def reason_for(format_: str, kind: str, *, core: bool) -> str:
     """The reason for a kind of removal, as in the table."""
-    known = (*(_PYBULLET if core and format_ == "sdf" else ()), *_OF[format_])
-    for pattern, reason in known:
-        if re.fullmatch(pattern, kind):
-            return reason
-    raise KeyError(f"{format_}: {kind}")
+    return _first((*(_PYBULLET if core and format_ == "sdf" else ()), *_OF[format_]), kind)
+
+
+def _first(known: Sequence[tuple[str, str]], kind: str) -> str:
+    return next((reason for pattern, reason in known if re.fullmatch(pattern, kind)), NO_REASON)
 
 
 _CHANGES = {
@@ -85,7 +94,7 @@ _CHANGES = {
         (r"mujoco/option@.*", "settings of the simulation, which MJCF alone has"),
         (r"default/(equality|site)@.*", "stiffness of closures, and the group of sites, which MJCF alone has"),
         (r"default/geom@(solref|solimp)", "stiffness of contacts, which MJCF alone has"),
-        (r"sensor/.*@nsample", "the buffer of a sensor: any length keeps its last reading"),
+        (r"sensor/.*@nsample", "the buffer of a sensor: any positive length keeps its last reading"),
         (r"worldbody/body@pos", "the height at which a floating base stands in its world"),
         (r"body/site@quat", "how the site of a point is turned, which holds nothing"),
         (r"default/geom@(group|contype|conaffinity)", "groups of shapes, which MJCF alone has"),
@@ -101,7 +110,4 @@ _CHANGES = {
 
 def reason_for_change(format_: str, kind: str) -> str:
     """The reason why a change of a kind of number is not detected, as in the table."""
-    for pattern, reason in _CHANGES[format_]:
-        if re.fullmatch(pattern, kind):
-            return reason
-    raise KeyError(f"{format_}: {kind}")
+    return _first(_CHANGES[format_], kind)

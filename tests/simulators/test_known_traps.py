@@ -11,15 +11,18 @@ from msgspec.structs import replace
 
 import stepbot
 from stepbot.diagnostics import Diagnostics
-from stepbot.engines.observation import EngineRefused, Quantity
+from stepbot.engines.observation import EngineCannotRead, EngineRefused, Quantity, Request
 from stepbot.formats.rendering import render
 from stepbot.report.results import Status
 from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointDynamics
+from stepbot.robot.surfaces import Surface
 from stepbot.runtime.worker import RemoteError, WorkerDied, call_isolated
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, failures, look, skip_without, write
+
+_FRICTION = "<surface><friction><ode><mu>0.4</mu>{}</ode></friction></surface>"
 
 
 @pytest.fixture(scope="module")
@@ -196,6 +199,31 @@ def test_drake_rejects_the_frames_of_sensors_in_gazebo(tmp_path: Path) -> None:
     assert any("gz_frame_id" in note for note in seen.notes)
 
 
+@pytest.mark.parametrize("second", ["", "<mu2>0.3</mu2>", "<mu2>0.5</mu2>"])
+def test_drake_takes_the_second_friction_for_that_of_sliding(second: str, tmp_path: Path) -> None:
+    """It rejects more than the first, and 1 is its default; it is verified with the friction of the first direction."""
+    skip_without("drake")
+    shape = f"<geometry><sphere><radius>0.1</radius></sphere></geometry>{_FRICTION.format(second)}"
+    link = f'<link name="a"><inertial><mass>1</mass></inertial><collision name="c">{shape}</collision></link>'
+    (tmp_path / "r.sdf").write_text(f'<sdf version="1.9"><model name="r">{link}</model></sdf>', encoding="utf-8")
+    request = Request(str(tmp_path / "r.sdf"), "sdf", configurations=({},), simulate=0.0)
+    seen = call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
+    assert [one.surface for one in seen.links[0].collisions] == [Surface(0.4)]
+    assert any("<mu2>" in note for note in seen.notes)
+
+
+@pytest.mark.parametrize("name", ["robot.urdf.xml", "robot.world", "robot.mjcf"])
+def test_drake_takes_the_format_from_the_name_of_the_file(name: str, tmp_path: Path) -> None:
+    """A file with another suffix is left to other engines; Drake would reject it."""
+    skip_without("drake")
+    written_in = {".xml": "urdf", ".world": "sdf", ".mjcf": "mjcf"}[Path(name).suffix]
+    request = write(ROBOTS["floating_biped"](), tmp_path).request(written_in)
+    path = Path(request.file).rename(tmp_path / name)
+    with pytest.raises(RemoteError, match="Drake takes the format of a file from its name") as caught:
+        call_isolated("stepbot.engines.drake.observer:observe", replace(request, file=str(path)), timeout=120.0)
+    assert caught.value.kind == "EngineCannotRead"
+
+
 def test_drake_does_not_read_mimics_of_sdformat(tmp_path: Path) -> None:
     """Drake ignores mimics of SDFormat; the comparison is not run, and not passed."""
     folder = write(ROBOTS["gripper_with_mimic"](), tmp_path)
@@ -221,6 +249,21 @@ def test_drake_ends_over_swapped_limits(arm: Folder) -> None:
     request = replace(arm.request("urdf"), file=str(path), simulate=0.0)
     with pytest.raises((WorkerDied, RemoteError)):
         call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
+
+
+@pytest.mark.parametrize("late", ['<compiler angle="radian"/>', '<default><joint axis="1 0 0"/></default>'])
+def test_pinocchio_reads_no_defaults_behind_bodies(late: str, tmp_path: Path) -> None:
+    """Such a file is left to other engines: Pinocchio would turn bodies by other angles, and about other axes."""
+    skip_without("pinocchio")
+    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    bodies = f'<body name="a">{inertial}<body name="b" euler="1 0 0">{inertial}<joint name="j"/></body></body>'
+    file = tmp_path / "r.xml"
+    request = Request(str(file), "mjcf", configurations=({},), simulate=0.0)
+    file.write_text(f"<mujoco>{late}<worldbody>{bodies}</worldbody></mujoco>", encoding="utf-8")
+    assert look("pinocchio", request).poses
+    file.write_text(f"<mujoco><worldbody>{bodies}</worldbody>{late}</mujoco>", encoding="utf-8")
+    with pytest.raises(EngineCannotRead, match="only in front of the bodies"):
+        look("pinocchio", request)
 
 
 def test_pinocchio_has_two_coordinates_for_a_joint_without_limits(tmp_path: Path) -> None:

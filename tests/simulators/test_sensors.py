@@ -9,6 +9,7 @@ import pytest
 from lxml import etree
 from msgspec.structs import replace
 
+from stepbot.engines.observation import Quantity
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import complete, link_poses
 from stepbot.robot.model import Robot
@@ -169,6 +170,18 @@ def test_sensors_measure_at_their_rate_and_hold_their_reading(tmp_path: Path) ->
     assert read == [moved[step - step % encoder] for step in range(100)]
     assert len(set(moved)) == 100
     assert [step for step in range(1, 100) if ahead[step] != ahead[step - 1]] == list(range(lidar, 100, lidar))
+
+
+@pytest.mark.slow
+def test_a_sensor_without_a_buffer_measures_in_every_step(tmp_path: Path) -> None:
+    """MuJoCo ignores its interval, also where the number of samples is negative."""
+    skip_without("mujoco")
+    written = write(equipped(), tmp_path)
+    path, request = written.written["mjcf"].path, written.request("mjcf")
+    text = path.read_text(encoding="utf-8")
+    for samples, differs in (("2", False), ("0", True), ("-1", True)):
+        path.write_text(text.replace('nsample="1"', f'nsample="{samples}"'), encoding="utf-8")
+        assert (Quantity.SENSORS in failures(written.expected("mjcf"), look("mujoco", request))) == differs, samples
 
 
 def _rays_of(model: Any) -> list[int]:

@@ -6,7 +6,7 @@ https://docs.ros.org/en/rolling/p/urdfdom/ defines what the versions add. MuJoCo
 capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
@@ -27,6 +27,8 @@ from .xml import with_readable_head, xml_root
 
 Element = Any
 """``lxml.etree._Element``."""
+Change = Callable[[Element], str]
+"""Changes a file for an engine; returns what it did, or nothing."""
 
 QUATERNION = "quat_xyzw"
 EXTRA_LIMITS = ("acceleration", "deceleration", "jerk")
@@ -159,7 +161,7 @@ def _with_inertials(robot: Element) -> bool:
 
 @contextmanager
 def readable(
-    request: Request, *, capsules: bool = True, inertials: bool = True, rejected: Mapping[str, str] = {}
+    request: Request, *, capsules: bool = True, inertials: bool = True, changes: Sequence[Change] = ()
 ) -> Iterator[tuple[Request, tuple[str, ...]]]:
     """A request for a file that the engine reads, and a note if that is a copy; meshes have absolute paths in it.
 
@@ -168,14 +170,15 @@ def readable(
     Args:
         capsules: Whether the engine reads capsules; for one that does not and reports no sizes they become cylinders.
         inertials: Whether a link without ``<inertial>`` has no mass in the engine; for one that invents it 0 is stated.
-        rejected: By format, an element without which the engine reads the file, and which it does not report.
+        changes: What the engine needs of files of any format, without another robot than it would report.
     """
     from lxml import etree
 
-    file, tag = Path(request.file), rejected.get(request.format, "")
-    is_urdf = request.format == "urdf"
-    top = xml_root(file) if (is_urdf or tag) and is_file(file) else None
-    done = [] if top is None else list(_changed(top, tag, is_urdf=is_urdf, capsules=capsules, inertials=inertials))
+    file, is_urdf = Path(request.file), request.format == "urdf"
+    top = xml_root(file) if (is_urdf or changes) and is_file(file) else None
+    done = [] if top is None else [what for change in changes if (what := change(top))]
+    if top is not None and is_urdf:
+        done += _changed(top, capsules=capsules, inertials=inertials)
     if top is not None and (content := file.read_bytes()) != with_readable_head(content):
         done.append(_VERSION)
     if top is None or not done:
@@ -188,25 +191,20 @@ def readable(
         yield replace(request, file=str(copy)), (f"read from a copy with {' and '.join(done)}",)
 
 
-def _changed(top: Element, rejected: str, *, is_urdf: bool, capsules: bool, inertials: bool) -> Iterator[str]:
-    """Change what :func:`readable` states, and name each change."""
-    if is_urdf and with_rpy(top):
+def _changed(top: Element, *, capsules: bool, inertials: bool) -> Iterator[str]:
+    """Change what :func:`readable` states of a URDF, and name each change."""
+    if with_rpy(top):
         yield _RPY
     round_ended = [] if capsules else top.findall("link//geometry/capsule")
     for capsule in round_ended:
         capsule.tag = "cylinder"
     if round_ended:
         yield _CYLINDERS
-    left_out = list(top.iter(rejected)) if rejected else []
-    for one in left_out:
-        one.getparent().remove(one)
-    if left_out:
-        yield f"no <{rejected}>, which this engine rejects"
-    if is_urdf and _without_bounds_of_turns(top):
+    if _without_bounds_of_turns(top):
         yield _ENDLESS
-    if is_urdf and _with_both_bounds(top):
+    if _with_both_bounds(top):
         yield _BOUNDS
-    if is_urdf and _with_named_materials(top):
+    if _with_named_materials(top):
         yield _NAMES
-    if is_urdf and not inertials and _with_inertials(top):
+    if not inertials and _with_inertials(top):
         yield _MASSES

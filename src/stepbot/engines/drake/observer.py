@@ -39,7 +39,7 @@ from ..urdf_versions import readable
 from ..xml import xml_root
 from . import ENGINE
 from .coordinates import pose
-from .plant import Built, axis_of, build
+from .plant import CHANGES, Built, axis_of, build
 
 _NOT_TOLD = "pydrake does not report it"
 _EFFORTS = "Drake stores effort limits per actuator; they are compared as joint limits"
@@ -65,8 +65,7 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
         Quantity.LIMITS: "Drake ignores actuatorfrcrange",
     },
 }
-_REJECTED = {"sdf": "gz_frame_id"}
-"""Gazebo's name of the frame of a sensor, which libsdformat ignores with a warning, and Drake rejects."""
+_SUFFIXES = {"urdf": ".urdf", "mjcf": ".xml"}
 _GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
 """Drake's warnings about features that it reads but does not support."""
 _PLACE = re.compile(r"^.*?(warning|error): ", re.DOTALL)
@@ -87,13 +86,15 @@ def observe(request: Request) -> Observation:
     """
     from .plant import closures_in, simulate
 
-    path = Path(request.file)
+    path, suffix = Path(request.file), _SUFFIXES.get(request.format, ".sdf")
+    if path.suffix != suffix:
+        raise EngineCannotRead(f"Drake takes the format of a file from its name, which ends with {suffix} for this one")
     if request.format == "mjcf":
         _check_mjcf(path)
     unmoved = inner_joints(path) if request.format == "urdf" else ""
     if unmoved:
         raise EngineCannotRead(f"Drake names the coordinates of these joints itself, or gives them none: {unmoved}")
-    with readable(request, rejected=_REJECTED) as (request, replaced), logged("drake") as lines:
+    with readable(request, changes=CHANGES.get(request.format, ())) as (request, replaced), logged("drake") as lines:
         built = build(request)
         observation = _static(built, request)
         if request.closures and request.format == "drake.sdf":

@@ -223,6 +223,39 @@ def _frame_names(plant: Any) -> tuple[str, ...]:
     )
 
 
+def _without_frames_of_sensors(top: Any) -> str:
+    """Leave out Gazebo's names of the frames of sensors, which libsdformat ignores with a warning."""
+    named = list(top.iter("gz_frame_id"))
+    for one in named:
+        one.getparent().remove(one)
+    return "no <gz_frame_id>, which this engine rejects" if named else ""
+
+
+def _with_one_friction(top: Any) -> str:
+    """State the friction of the first direction in both: Drake takes the second, 1 by default, for that of sliding.
+
+    It rejects more than the first, which is compared.
+    """
+    from lxml import etree
+
+    changed = False
+    for ode in top.iterfind(".//surface/friction/ode"):
+        first, second = (ode.find(name) for name in ("mu", "mu2"))
+        if first is None and second is not None:
+            ode.remove(second)
+        elif first is not None and (second is None or second.text != first.text):
+            second = etree.SubElement(ode, "mu2") if second is None else second
+            second.text = first.text
+        else:
+            continue
+        changed = True
+    return "<mu2> equal to <mu>, since this engine takes it for the friction of sliding" if changed else ""
+
+
+CHANGES = {"sdf": (_without_frames_of_sensors, _with_one_friction)}
+"""By format, what :func:`.readable` changes before Drake reads a file."""
+
+
 NUDGES = (0.02, -0.02, 0.002, -0.002)
 """Offsets [rad], [m] of the following joints from the reference's solution, from which Drake's solver starts."""
 BACK = 1e-6

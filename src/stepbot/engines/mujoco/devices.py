@@ -200,9 +200,9 @@ def _sensor(
 
 
 def _interval(compiled: "Compiled", s: int) -> float:
-    """Time [s] between the measurements of a sensor; 0 for one in every step, as in every sensor without a buffer."""
+    """Time [s] between the measurements of a sensor; 0 for one in every step, as without a buffer."""
     model = compiled.model
-    return float(model.sensor_interval[s][0]) if model.sensor_history[s][0] else 0.0
+    return float(model.sensor_interval[s][0]) if model.sensor_history[s][0] > 0 else 0.0
 
 
 def _at_a_site(compiled: "Compiled", readings: Sequence[_Reading]) -> Iterator[tuple[str, Any]]:

@@ -31,6 +31,7 @@ from ..observation import (
     Quantity,
     Request,
 )
+from ..xml import xml_root
 from . import ENGINE
 
 _NOT_RUN: Mapping[Quantity, str] = {
@@ -45,6 +46,7 @@ _MJCF_NOT_RUN: Mapping[Quantity, str] = {
     Quantity.LIMITS: "Pinocchio assumes other bounds where MJCF has none, and ignores actuatorfrcrange",
     Quantity.DYNAMICS: "Pinocchio interprets MJCF springs and friction differently",
 }
+_LATE = "worldbody[1]/following-sibling::*[self::compiler or self::default]"
 _TURNING = ("R", "Revolute")
 
 
@@ -58,14 +60,16 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: Pinocchio does not build it.
-        EngineCannotRead: Several joints in one body, whose names Pinocchio does not keep; a URDF with planar joints, or
-            with floating ones within the robot.
+        EngineCannotRead: Several joints in one body, whose names Pinocchio does not keep; defaults behind bodies of an
+            MJCF; a URDF with planar joints, or with floating ones within the robot.
     """
     import pinocchio as engine
 
     unmoved = inner_joints(Path(request.file)) if request.format == "urdf" else ""
     if unmoved:
         raise EngineCannotRead(f"Pinocchio moves these joints by coordinates of its own: {unmoved}")
+    if request.format == "mjcf" and (late := xml_root(Path(request.file)).xpath(_LATE)):
+        raise EngineCannotRead(f"Pinocchio reads <{late[0].tag}> only in front of the bodies that it applies to")
     with printed() as lines:
         try:
             build = engine.buildModelFromUrdf if request.format == "urdf" else engine.buildModelFromMJCF
