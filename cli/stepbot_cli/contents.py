@@ -75,7 +75,7 @@ def contents(
     assembly: Assembly, measures: tuple[VolumeProperties | None, ...], tolerance: MeshTolerance
 ) -> list[Contents]:
     """Totals of each component; ``measures`` are the mass properties of the mesh of each body."""
-    found = [Contents() for _ in assembly.components]
+    rows = [Contents() for _ in assembly.components]
     for number, indices in assembly.occurrences.items():
         body = assembly.bodies[number]
         own = volume(body, measures[number])
@@ -87,10 +87,10 @@ def contents(
             boxes = list(zip(*(_vectors(corner) for corner in corners), strict=True))
         slacks = _slacks(body, [assembly.components[index].X_WC for index in indices], tolerance)
         for index, box, slack in zip(indices, boxes, slacks, strict=True):
-            found[index] = Contents(int(is_solid), int(is_surface), own, box, slack)
+            rows[index] = Contents(int(is_solid), int(is_surface), own, box, slack)
     for component in reversed(assembly.components[1:]):
-        found[component.parent].add(found[component.index])
-    return found
+        rows[component.parent].add(rows[component.index])
+    return rows
 
 
 def _slacks(body: Body, poses: Sequence[Pose], tolerance: MeshTolerance) -> Iterator[Box]:

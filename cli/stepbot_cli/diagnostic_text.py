@@ -164,11 +164,11 @@ def summary(
     diagnostics: Iterable[Diagnostic], *, all_shown: bool = True, ignored: int = 0, explain: bool = True
 ) -> str:
     """``2 errors, 1 warning``, and how to learn more, or see all of them."""
-    found = list(diagnostics)
-    counts = [(kind, sum(d.severity == kind for d in found)) for kind in ("error", "warning", "note")]
+    shown = list(diagnostics)
+    counts = [(kind, sum(d.severity == kind for d in shown)) for kind in ("error", "warning", "note")]
     text = ", ".join(counted(n, kind) for kind, n in counts if n)
     text = ", ".join(filter(None, (text, f"{ignored} ignored" if ignored else "")))
-    codes = [CODES[d.code].id for severity in ("error", "warning") for d in found if d.severity == severity]
+    codes = [CODES[d.code].id for severity in ("error", "warning") for d in shown if d.severity == severity]
     ways = [f"more: stepbot explain {codes[0]}"] if codes and explain else []
     ways += [] if all_shown else ["-v shows all"]
     return f"{text} ({'; '.join(ways)})" if ways else text

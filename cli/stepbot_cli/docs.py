@@ -62,8 +62,8 @@ def command(word: str | None, no_open: bool, as_json: bool) -> int:
     first, site = matches[0], next((place for place in _SITES if place.is_dir()), None)
     url = "" if site is None else f"{_file(site, first.page).as_uri()}#{first.anchor}"
     if as_json:
-        found = [{"page": one.page, "heading": one.heading, "anchor": one.anchor} for one in matches]
-        write_json({"url": url or None, "matches": found})
+        rows = [{"page": one.page, "heading": one.heading, "anchor": one.anchor} for one in matches]
+        write_json({"url": url or None, "matches": rows})
         return 0
     if no_open or not url or not webbrowser.open(url):
         write_result(first.text)

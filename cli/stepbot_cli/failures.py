@@ -19,20 +19,20 @@ _EXTRAS = {"dask": "dask", "distributed": "dask", "embreex": "render", "PIL": "r
 
 def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
     """Report an exception that ended a command; returns the exit code."""
-    found = error.diagnostics if isinstance(error, StepbotError) else Diagnostics()
+    diagnostics = error.diagnostics if isinstance(error, StepbotError) else Diagnostics()
     if isinstance(error, ModuleNotFoundError) and error.name and error.name.partition(".")[0] not in _OURS:
         package = error.name.partition(".")[0]
         extra = _EXTRAS.get(package)
         help = [f"pip install 'stepbot[{extra}]'" if extra else f"pip install {package}"]
-        found.add("SB003", f"Python package missing: no module named '{package}'", Span("stepbot"), help=help)
+        diagnostics.add("SB003", f"Python package missing: no module named '{package}'", Span("stepbot"), help=help)
     elif not isinstance(error, StepbotError):
         write_error("".join(traceback.format_exception(error)))
-        _add_internal_error(error, found)
+        _add_internal_error(error, diagnostics)
     if as_json:
-        write_document({}, found)
+        write_document({}, diagnostics)
     else:
-        show_diagnostics(found)
-    return found.exit_code
+        show_diagnostics(diagnostics)
+    return diagnostics.exit_code
 
 
 def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:

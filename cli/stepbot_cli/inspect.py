@@ -91,23 +91,25 @@ def command(
     with progress_bar(("read", "render"), options) as progress:
         progress("read")
         inspection = inspect(step, options)
-        found = inspection.diagnostics
+        diagnostics = inspection.diagnostics
         if picture is not None and inspection.assembly is not None:
             progress("render")
-            drawn = _exploded_view(inspection.assembly, Choice(depth, glob, folded=False), not unfold, picture, found)
-    report_trouble(options.cache, found)
+            drawn = _exploded_view(
+                inspection.assembly, Choice(depth, glob, folded=False), not unfold, picture, diagnostics
+            )
+    report_trouble(options.cache, diagnostics)
     if display.json:
         document = _document(inspection, between, features)
         if picture is not None:
             document["picture"] = None if drawn is None else picture.as_posix()
-        return write_document(document, found)
-    show_diagnostics(found, display)
+        return write_document(document, diagnostics)
+    show_diagnostics(diagnostics, display)
     if inspection.assembly is not None and display.shows_results:
         choice = Choice(depth, glob, folded=not (unfold or features))
         write_result(_text(inspection, between, choice, features=features, tree=tree, verbose=display.verbose))
     if picture is not None and drawn is not None and display.shows_results:
         write_result("\n".join(picture_lines(picture, drawn, labels=True)))
-    return found.exit_code
+    return diagnostics.exit_code
 
 
 def _exploded_view(

@@ -44,15 +44,15 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
     paths = ComponentPaths(assembly.components)
     parts_a, parts_b = (_components(assembly, paths, links, name) for name in (a, b))
     faces_a, faces_b = axis_faces(assembly, parts_a), axis_faces(assembly, parts_b)
-    found = mates(faces_a, faces_b)
+    shared = mates(faces_a, faces_b)
     start = "{auto: true" if a in links and b in links else f"{{mate: [{quoted(a)}, {quoted(b)}]"
     misses = near_misses(faces_a, faces_b)
     return SharedAxes(
         words=(_words(links, a), _words(links, b)),
-        lines=found,
-        chosen=choose(found).line,
-        snippets=tuple(f"{start}{selector}}}" for selector in selectors(found)) if found else (),
-        radii=tuple((_radii(line, parts_a), _radii(line, parts_b)) for line in found),
+        lines=shared,
+        chosen=choose(shared).line,
+        snippets=tuple(f"{start}{selector}}}" for selector in selectors(shared)) if shared else (),
+        radii=tuple((_radii(line, parts_a), _radii(line, parts_b)) for line in shared),
         misses=misses,
         miss_places=tuple((_place(assembly, miss.line_a), _place(assembly, miss.line_b)) for miss in misses),
     )
@@ -60,8 +60,8 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
 
 def component_axes(assembly: Assembly, component: Component) -> Iterator[tuple[AxisLine, str]]:
     """The axis lines of a component, each with the origin that selects it."""
-    found = lines(axis_faces(assembly, [component.index]))
-    for line, selector in zip(found, selectors(found), strict=True):
+    axes = lines(axis_faces(assembly, [component.index]))
+    for line, selector in zip(axes, selectors(axes), strict=True):
         yield line, f"{{axis_of: {quoted(component.path)}{selector}}}"
 
 
@@ -147,10 +147,10 @@ def listed(assembly: Assembly, choice: Choice) -> Rows:
 
 def _matching(assembly: Assembly, glob: str) -> list[int]:
     paths = ComponentPaths(assembly.components)
-    found = paths.find(glob)
-    anywhere = found if found.indices else paths.find(f"**/{glob}")
+    components = paths.find(glob)
+    anywhere = components if components.indices else paths.find(f"**/{glob}")
     if not anywhere.indices:
-        remedy = "; ".join(found.help)
+        remedy = "; ".join(components.help)
         raise click.BadParameter(
             f"no component matches '{glob}'{'; ' + remedy if remedy else ''}", param_hint="--filter"
         )

@@ -55,7 +55,7 @@ def list_(as_json: bool) -> int:
 @json_option
 def show(name: str, as_json: bool) -> int:
     """Show the joints, links and files of the robot NAME."""
-    robot = _found(name)
+    robot = _robot_named(name)
     if as_json:
         write_json(_described(robot))
         return 0
@@ -94,7 +94,7 @@ def export(
     options: "Options", name: str, formats: tuple[str, ...], output: Path | None, source: bool, display: Display
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
-    robot = _found(name)
+    robot = _robot_named(name)
     if source:
         if formats or not options.verify or options.require:
             raise click.UsageError("--source cannot be combined with --format, --no-verify or --require")
@@ -132,7 +132,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
     return diagnostics.exit_code
 
 
-def _found(name: str) -> "LibraryRobot":
+def _robot_named(name: str) -> "LibraryRobot":
     from stepbot.runtime.robot_library import library_robot, library_robots
 
     try:

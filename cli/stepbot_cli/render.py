@@ -91,16 +91,16 @@ def read_positions(robot: "Robot", texts: Iterable[str]) -> dict[str, float]:
     from stepbot.robot.posing import coordinates
 
     joints = coordinates(robot)
-    found: dict[str, float] = {}
+    positions: dict[str, float] = {}
     for text in texts:
         name, equals, value = text.rpartition("=")
         if not equals or not name:
             raise click.BadParameter(f"'{text}' is not NAME=VALUE, such as elbow=30deg", param_hint=_HINT)
         joint = _joint(robot, joints, name.strip())
-        if joint.name in found:
+        if joint.name in positions:
             raise click.BadParameter(f"joint '{joint.name}' is given twice", param_hint=_HINT)
-        found[joint.name] = _position(joint, value.strip())
-    return found
+        positions[joint.name] = _position(joint, value.strip())
+    return positions
 
 
 def position_words(joint: "Joint", q: float) -> str:

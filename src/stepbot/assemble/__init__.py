@@ -86,7 +86,7 @@ def build_robot(
     revised: Revised = UNREVISED,
     timeout: float = DEFAULT_TIMEOUT,
 ) -> Built | None:
-    """Build the robot that the sidecar describes; None if there are errors, all of which are in ``found``.
+    """Build the robot that the sidecar describes; None if there are errors, all of which are in ``diagnostics``.
 
     Args:
         sidecar: A sidecar that passed its own check without errors.
@@ -157,7 +157,7 @@ def build_robot(
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, diagnostics: Diagnostics) -> dict[str, tuple[int, ...]]:
-    """Indices of the components with bodies of each link; unresolved paths are reported in ``found``."""
+    """Indices of the components with bodies of each link; unresolved paths are reported in ``diagnostics``."""
     binder = Binder(assembly, sidecar, diagnostics)
     claims = claim(binder, assign_materials(binder))
     return {link: claims.parts_of(link) for link in sidecar.document.links}

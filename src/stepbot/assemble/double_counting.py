@@ -195,12 +195,12 @@ class DoubleCounting:
             timeout: Maximum waiting time [s].
         """
         try:
-            found = self._search.result(timeout)
+            by_link = self._search.result(timeout)
         except WorkerDied as death:
             report_death(death, "intersects solids", self._binder.span(("links",)), self._binder.diagnostics)
             return
         slight: dict[str, Overlaps] = {}
-        for link, overlaps in found.items():
+        for link, overlaps in by_link.items():
             total = exact_sum(self._masses[index].mass or 0.0 for index in self._parts[link] if index in self._masses)
             if overlaps.mass >= MASS_TOLERANCE * total > 0.0:
                 _warn(self._binder, link, overlaps, total)
@@ -208,7 +208,7 @@ class DoubleCounting:
                 slight[link] = overlaps
         if slight:
             _note_slight(self._binder, slight)
-        unchecked = [pair for overlaps in found.values() for pair in overlaps.unchecked]
+        unchecked = [pair for overlaps in by_link.values() for pair in overlaps.unchecked]
         if unchecked:
             _note_unchecked(self._binder, unchecked)
 

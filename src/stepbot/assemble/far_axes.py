@@ -101,11 +101,11 @@ def report_up_axis(binder: Binder, claims: Claims, root: str, rows: Sequence[Joi
             base.add(row.child)
     axes = [row.axis for row in rows if row.parent in base and row.child not in base and row.axis is not None]
     parts = [index for link in base for index in claims.parts_of(link)]
-    found = standing(binder.assembly, parts, axes)
-    if found is not None:
+    up = standing(binder.assembly, parts, axes)
+    if up is not None:
         binder.report(
             "SB421",
             ("root",),
-            f"the assembly seems to be drawn with {found.up} up, not z: {found}",
-            help=(f"write `root: {{up: {found.up}}}`, or `root: {{up: z}}` if z is up",),
+            f"the assembly seems to be drawn with {up.up} up, not z: {up}",
+            help=(f"write `root: {{up: {up.up}}}`, or `root: {{up: z}}` if z is up",),
         )

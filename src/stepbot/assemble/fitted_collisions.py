@@ -135,7 +135,7 @@ class _Others(Struct, frozen=True):
 def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]) -> dict[Joined, _Others]:
     """All sets, and what is beside each in its link."""
     assembly, document = binder.assembly, binder.document
-    found: dict[Joined, _Others] = {}
+    joined: dict[Joined, _Others] = {}
     for link in document.links:
         whole = []
         for index in claims.parts_of(link):
@@ -144,14 +144,14 @@ def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]
                 whole.append(index)
                 continue
             if rule.is_decomposed and (one := joined_part(assembly, index, rule)) is not None:
-                found.setdefault(one, _Others())
+                joined.setdefault(one, _Others())
         common = link_rule(link, document)
         if common is not None and common.is_decomposed:
             several = joined_parts(assembly, whole, common)
             if several is not None:
                 beside = tuple(index for index in whole if index not in several.components)
-                found[several] = _Others(beside, len(whole) == len(claims.parts_of(link)))
-    return found
+                joined[several] = _Others(beside, len(whole) == len(claims.parts_of(link)))
+    return joined
 
 
 def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], others: _Others) -> Wanted:

@@ -128,8 +128,8 @@ class Frames:
         offset = None if isinstance(origin, str) else origin.offset
         if pose is None or offset is None:
             return pose
-        found = self._evidence[wanted.keys]
-        self._evidence[wanted.keys] = replace(found, text=f"{found.text}; moved by its offset")
+        evidence = self._evidence[wanted.keys]
+        self._evidence[wanted.keys] = replace(evidence, text=f"{evidence.text}; moved by its offset")
         return pose @ Pose.from_xyz_rpy(offset.xyz, offset.rpy)
 
     def _base(self, origin: Origin, wanted: Wanted) -> Pose | None:
@@ -182,13 +182,13 @@ class Frames:
         index = self._binder.one(origin.axis_of, (*wanted.keys, "axis_of"))
         if index is None:
             return None
-        found = lines(self._component_faces(index), origin.radius)
-        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
+        axes = lines(self._component_faces(index), origin.radius)
+        choice = choose(axes, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
         if choice.line is not None:
-            return self._on(choice.line, found, "axis", origin, wanted)
+            return self._on(choice.line, axes, "axis", origin, wanted)
         start = f"{{axis_of: {quoted(origin.axis_of)}"
         if choice.rivals:
-            self._report_rivals(wanted, f"'{origin.axis_of}' has", choice, found, start)
+            self._report_rivals(wanted, f"'{origin.axis_of}' has", choice, axes, start)
         else:
             with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
             self._report_none(wanted, f"'{origin.axis_of}' has no cylinder or cone{with_radius}")
@@ -227,10 +227,10 @@ class Frames:
     ) -> Pose | None:
         """The frame of a joint that does not move: on the line of both sides if there is one, else the parent's."""
         assert wanted.links is not None
-        found = mates(a, b, None)
-        line = choose(found).line
+        anywhere = mates(a, b, None)
+        line = choose(anywhere).line
         if line is not None:
-            pose = self._on(line, found, f"axis that {words[0]} and {words[1]} share", origin, wanted)
+            pose = self._on(line, anywhere, f"axis that {words[0]} and {words[1]} share", origin, wanted)
             self._evidence[wanted.keys] = replace(self._evidence[wanted.keys], doubt="")
             return pose
         self._give(wanted, f"the frame of {words[0]}, since a fixed joint needs no axis")
@@ -246,16 +246,16 @@ class Frames:
         start: str,
     ) -> Pose | None:
         """The frame on a line shared by two sides."""
-        found = mates(a, b, origin.radius)
-        choice = choose(found, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
+        shared = mates(a, b, origin.radius)
+        choice = choose(shared, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
         if choice.line is not None:
-            pose = self._on(choice.line, found, f"axis that {words[0]} and {words[1]} share", origin, wanted)
-            self._report_doubt(wanted, choice.line, found, start)
+            pose = self._on(choice.line, shared, f"axis that {words[0]} and {words[1]} share", origin, wanted)
+            self._report_doubt(wanted, choice.line, shared, start)
             return pose
         if choice.rivals and all(line.basis is Basis.APART for line in choice.rivals):
-            self._report_apart(wanted, words, choice, found, start)
+            self._report_apart(wanted, words, choice, shared, start)
         elif choice.rivals:
-            self._report_rivals(wanted, f"{words[0]} and {words[1]} share", choice, found, start)
+            self._report_rivals(wanted, f"{words[0]} and {words[1]} share", choice, shared, start)
         else:
             with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
             self._report_misses(wanted, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
@@ -370,21 +370,21 @@ class Frames:
             return []
         child = wanted.links[1]
         below = {joint.child for joint in self._binder.document.joints.values() if joint.parent == child}
-        found = []
+        parents = []
         for link in self._binder.document.links:
             if link in wanted.links or link in below:
                 continue
             line = choose(mates(self._link_faces(link), self._link_faces(child), None)).line
             if line is not None and line.basis is Basis.FIT:
-                found.append(f"link '{link}' and link '{child}' share an axis: `parent: {link}`, if it carries it")
-        return found[:_SHOWN_PARENTS]
+                parents.append(f"link '{link}' and link '{child}' share an axis: `parent: {link}`, if it carries it")
+        return parents[:_SHOWN_PARENTS]
 
     def _axis_snippet(self, line: AxisLine) -> str:
         """The origin that selects one line of the component it belongs to."""
         index = line.components[0]
-        found = lines(axis_faces(self._binder.assembly, [index]))
-        nearest = min(range(len(found)), key=lambda i: found[i].distance_to(line.point))
-        return f"origin: {{axis_of: {quoted(self._binder.path(index))}{selectors(found)[nearest]}}}"
+        candidates = lines(axis_faces(self._binder.assembly, [index]))
+        nearest = min(range(len(candidates)), key=lambda i: candidates[i].distance_to(line.point))
+        return f"origin: {{axis_of: {quoted(self._binder.path(index))}{selectors(candidates)[nearest]}}}"
 
     def _report_none(
         self, wanted: Wanted, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()

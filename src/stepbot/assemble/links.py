@@ -27,7 +27,7 @@ def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Place
     assembly = binder.assembly
     drawn = binder.document.links[link].visual is not False
     default = default_color(binder.document) or GREY
-    found = []
+    visuals = []
     for part in parts:
         component = assembly.components[part.index]
         if part.material.visual is False or (part.material.visual is None and not drawn):
@@ -35,10 +35,10 @@ def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Place
         if not len(assembly.bodies[component.body].mesh.faces):
             continue
         groups = assets.by_color(component.body, component, part.material.color, default)
-        found += [(group, part.X_LC, component.path) for group in groups]
+        visuals += [(group, part.X_LC, component.path) for group in groups]
     return tuple(
         Visual(f"{link}_visual_{i}", group.geometry, X_LG, group.rgba, path)
-        for i, (group, X_LG, path) in enumerate(found, start=1)
+        for i, (group, X_LG, path) in enumerate(visuals, start=1)
     )
 
 

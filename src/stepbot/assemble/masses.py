@@ -226,9 +226,9 @@ def _volume(binder: Binder, claims: Claims, links: Iterable[str]) -> float:
 def _points(binder: Binder, claims: Claims, links: Iterable[str], X_LW: Pose) -> Array:
     """Vertices (n, 3) [m] of all bodies of links, in the frame L."""
     assembly = binder.assembly
-    found = [np.zeros((0, 3))]
+    points = [np.zeros((0, 3))]
     for index in (index for link in links for index in claims.parts_of(link)):
         component = assembly.components[index]
         if component.body >= 0:
-            found.append((X_LW @ component.X_WC).apply(assembly.bodies[component.body].mesh.vertices))
-    return np.concatenate(found)
+            points.append((X_LW @ component.X_WC).apply(assembly.bodies[component.body].mesh.vertices))
+    return np.concatenate(points)

@@ -135,7 +135,7 @@ def assign_materials(binder: Binder) -> tuple[MaterialAssignment, ...]:
             shadowed.note(i, "mass", [_rule_of_mass(rules, given.get(index)) for index in named])
             for index in named:
                 given.setdefault(index, GivenMass(rule.mass, pattern))
-    found = tuple(
+    assignments = tuple(
         _assignment(
             component,
             {field: rules[row[component.index]] for field, row in first.items() if row[component.index] >= 0},
@@ -144,13 +144,13 @@ def assign_materials(binder: Binder) -> tuple[MaterialAssignment, ...]:
         for component in components
     )
     shadowed.report()
-    _give_motor_masses(binder, found, given)
-    _warn_of_uniform_density(binder, found)
-    _note_unlisted_materials(binder, found)
-    return tuple(replace(one, given=given[i]) if i in given else one for i, one in enumerate(found))
+    _give_motor_masses(binder, assignments, given)
+    _warn_of_uniform_density(binder, assignments)
+    _note_unlisted_materials(binder, assignments)
+    return tuple(replace(one, given=given[i]) if i in given else one for i, one in enumerate(assignments))
 
 
-def _give_motor_masses(binder: Binder, found: Sequence[MaterialAssignment], given: dict[int, GivenMass]) -> None:
+def _give_motor_masses(binder: Binder, assignments: Sequence[MaterialAssignment], given: dict[int, GivenMass]) -> None:
     """Give the part of a motor its catalogue's mass, if no rule, no subassembly and no density gives it one."""
     components = binder.assembly.components
     for name, motor in binder.sidecar.motors.items():
@@ -162,7 +162,7 @@ def _give_motor_masses(binder: Binder, found: Sequence[MaterialAssignment], give
         while (parent := components[min(above)].parent) >= 0:
             above.add(parent)
         below = binder.assembly.subtree(index)
-        known = any(found[i].density_origin not in ("", "defaults", PLACEHOLDER) for i in below)
+        known = any(assignments[i].density_origin not in ("", "defaults", PLACEHOLDER) for i in below)
         if not known and given.keys().isdisjoint(above.union(below)):
             given[index] = GivenMass(figure.value, motor.part, name)
 
@@ -239,13 +239,13 @@ def _density(
     return default, "defaults" if default is not None else "", defaults.material
 
 
-def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:
+def _warn_of_uniform_density(binder: Binder, assignments: tuple[MaterialAssignment, ...]) -> None:
     """Warn if the STEP's density is used and is the same for every definition."""
     assembly = binder.assembly
     solids = [c for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind is not BodyKind.SURFACE]
     densities = {component.density for component in solids}
     definitions = {component.definition for component in solids}
-    used = any(found[c.index].density_origin == "STEP" and not found[c.index].ignored for c in solids)
+    used = any(assignments[c.index].density_origin == "STEP" and not assignments[c.index].ignored for c in solids)
     if used and len(densities) == 1 and len(definitions) > 1:
         names = sorted({c.material for c in solids if c.material})
         density = f"{next(iter(densities)):g} kg/m^3" + (f" ({', '.join(names)})" if names else "")
@@ -260,7 +260,7 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ..
         )
 
 
-def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:
+def _note_unlisted_materials(binder: Binder, assignments: tuple[MaterialAssignment, ...]) -> None:
     """Report materials in the STEP whose parts have the default density because no source gives their own."""
     document, components = binder.document, binder.assembly.components
     unlisted: dict[str, list[int]] = {}
@@ -270,7 +270,7 @@ def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ..
             BodyKind.SOLID,
             BodyKind.TESSELLATED,
         )
-        if solid and name and found[component.index].density_origin in ("defaults", PLACEHOLDER):
+        if solid and name and assignments[component.index].density_origin in ("defaults", PLACEHOLDER):
             unlisted.setdefault(name, []).append(component.index)
     if unlisted and document.step_density is StepDensity.USE:
         count = sum(map(len, unlisted.values()))

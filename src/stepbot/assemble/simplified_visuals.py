@@ -114,7 +114,7 @@ class SimplifiedVisualMeshes:
         links = tuple(link.name for link in robot.links)
         counts = dict.fromkeys((_names(group) for link in robot.links for group in _groups(link)), 1)
         faces = sum(len(robot.mesh_by_name[name].mesh.faces) for names in counts for name in names)
-        found, made = robot, None
+        reduced, made = robot, None
         for _ in range(_ATTEMPTS):
             if size <= most or (made is not None and made.triangles > faces):
                 break
@@ -122,13 +122,13 @@ class SimplifiedVisualMeshes:
             made = self._computed(_budget(robot, counts, faces))
             if made is None:
                 return robot, None
-            found = _with_meshes(robot, links, dict(zip(counts, made.units, strict=True)))
-            size = visual_bytes(found)
+            reduced = _with_meshes(robot, links, dict(zip(counts, made.units, strict=True)))
+            size = visual_bytes(reduced)
         if made is None:
             return robot, None
-        self._report_bytes(robot, found, f"from {before} to {size} bytes", made.deviation, size - most)
-        drawn = [sum(_faces_drawn(one, link) for link in one.links) for one in (robot, found)]
-        return found, SimplifiedVisuals("", drawn[0], drawn[1], made.deviation, max_bytes=most)
+        self._report_bytes(robot, reduced, f"from {before} to {size} bytes", made.deviation, size - most)
+        drawn = [sum(_faces_drawn(one, link) for link in one.links) for one in (robot, reduced)]
+        return reduced, SimplifiedVisuals("", drawn[0], drawn[1], made.deviation, max_bytes=most)
 
     def _computed(self, budget: TriangleBudget) -> Simplified | None:
         results = ResultsByContent(self._cache, "triangle budget", {"": budget}, (TriangleBudget, Simplified))

@@ -46,18 +46,18 @@ def lacking(robot: Robot) -> dict[str, Shapes]:
     """The links that need assumed mass properties, and the shapes to compute them from, in the frame of the link."""
     bodies = rigid_bodies(robot.root.name, robot.joints)
     heavy = {bodies[link.name] for link in robot.links if link.mass_properties.mass > 0.0}
-    found: dict[str, Shapes] = {}
+    assumed: dict[str, Shapes] = {}
     for link in robot.links:
         shapes: Sequence[Collision | Visual] = link.collisions or link.visuals
         light = bodies[link.name] not in heavy and (shapes or link.mass_properties.mass < 0.0)
         if light or inertia_fault(link.mass_properties):
-            found[link.name] = [(_geometry(shape, robot), shape.X_LG) for shape in shapes]
-    return found | {name: [] for name in _bare(robot, bodies, heavy, found)}
+            assumed[link.name] = [(_geometry(shape, robot), shape.X_LG) for shape in shapes]
+    return assumed | {name: [] for name in _bare(robot, bodies, heavy, assumed)}
 
 
-def _bare(robot: Robot, bodies: Mapping[str, str], heavy: set[str], found: Mapping[str, Shapes]) -> list[str]:
+def _bare(robot: Robot, bodies: Mapping[str, str], heavy: set[str], shapes: Mapping[str, Shapes]) -> list[str]:
     """Moving links that have neither mass nor geometry, and carry none."""
-    weighed = heavy | {bodies[name] for name in found}
+    weighed = heavy | {bodies[name] for name in shapes}
     above = {joint.child: bodies[joint.parent] for joint in robot.joints}
     carrying = set(weighed)
     for body in reversed(list(dict.fromkeys(bodies.values()))):
@@ -209,12 +209,12 @@ def check_inertials(robot: Robot, diagnostics: Diagnostics, span: Span) -> None:
 
 def _points(link: Link, robot: Robot, X_BL: Pose) -> Array:
     """Points (n, 3) [m] around the shapes of a link, in the frame of its body."""
-    found = [np.zeros((0, 3))]
+    points = [np.zeros((0, 3))]
     shapes: tuple[Visual | Collision, ...] = (*link.visuals, *link.collisions)
     for shape in shapes:
         X_BG = X_BL @ shape.X_LG
         if isinstance(shape.geometry, MeshRef):
-            found.append(X_BG.apply(robot.mesh_by_name[shape.geometry.name].mesh.vertices))
+            points.append(X_BG.apply(robot.mesh_by_name[shape.geometry.name].mesh.vertices))
         else:
-            found.append(X_BG.apply(box_corners(*primitive_bounds(shape.geometry, IDENTITY))))
-    return np.concatenate(found)
+            points.append(X_BG.apply(box_corners(*primitive_bounds(shape.geometry, IDENTITY))))
+    return np.concatenate(points)

@@ -230,36 +230,36 @@ def robot_of_description(
     description = without_links(description, around)
     seen = description.observation
     loose = "is not connected to the robot, and has no joints: not converted"
-    found = [Finding(LOST, f"link '{link}' {loose}") for link in sorted(around)]
-    found += [_unread_mesh(uri) for uri in description.unread]
-    found += [Finding(UNSUPPORTED, text) for text in description.unsupported]
-    shapes = Shapes(_with_volume(description, found), drawn=drawn)
-    links = {link.name: _link(link, shapes, found) for link in seen.links}
-    joints, extra = tree_of(description, found)
+    findings = [Finding(LOST, f"link '{link}' {loose}") for link in sorted(around)]
+    findings += [_unread_mesh(uri) for uri in description.unread]
+    findings += [Finding(UNSUPPORTED, text) for text in description.unsupported]
+    shapes = Shapes(_with_volume(description, findings), drawn=drawn)
+    links = {link.name: _link(link, shapes, findings) for link in seen.links}
+    joints, extra = tree_of(description, findings)
     root = joints[0].parent if joints else next(iter(links))
     order = [root, *(joint.child for joint in joints)]
-    kept = without_broken_mimics(with_locked_fixed(joints, seen.format == "urdf", found), found)
+    kept = without_broken_mimics(with_locked_fixed(joints, seen.format == "urdf", findings), findings)
     robot = Robot(
         seen.name or name,
         tuple(links.get(one) or extra[one] for one in order),
         kept,
-        tuple(closures_of(seen.closures or (), set(links), found)),
+        tuple(closures_of(seen.closures or (), set(links), findings)),
         tuple(Frame(one, link, X_LF) for one, (link, X_LF) in (seen.frames or {}).items() if link in links),
-        actuators_of(description, {joint.name: joint for joint in kept}, found),
+        actuators_of(description, {joint.name: joint for joint in kept}, findings),
         shapes.assets,
         base or Base.FIXED if seen.base is None else Base(seen.base),
         source,
-        sensors_of(seen.sensors or (), kept, set(links), found),
+        sensors_of(seen.sensors or (), kept, set(links), findings),
         description.simulation,
     )
     robot = replace(robot, excluded_contacts=_excluded(robot, seen))
-    _report_contacts(robot, seen, found)
-    rooted = _without_world(robot, found)
-    _report_place(rooted, description.X_WR, found)
+    _report_contacts(robot, seen, findings)
+    rooted = _without_world(robot, findings)
+    _report_place(rooted, description.X_WR, findings)
     known = seen.base is not None or robot.root.name == _WORLD  # which may have several joints, or one that moves
-    placed = at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
-    robot, names = with_valid_names(_with_turned_balls(placed), found)
-    return Described(robot, tuple(found), known, names, shapes.pieces, around)
+    placed = at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else findings)
+    robot, names = with_valid_names(_with_turned_balls(placed), findings)
+    return Described(robot, tuple(findings), known, names, shapes.pieces, around)
 
 
 def _with_volume(description: Description, findings: list[Finding]) -> Description:

@@ -146,14 +146,14 @@ class _Tree:
 
     def _chain(self, child: str) -> list[Joint]:
         """The joints above a link; anchors beside its origin become links in between."""
-        found = self._above[child]
-        parent = found[0].parent
-        strange = [joint for joint in found if joint.parent != parent]
+        above = self._above[child]
+        parent = above[0].parent
+        strange = [joint for joint in above if joint.parent != parent]
         for joint in strange:
             text = f"joint '{joint.name}': a second parent '{joint.parent}' of link '{child}'"
             self._findings.append(Finding(UNSUPPORTED, text))
-        whole = found[0] if len(found) == 1 and _is_one(found[0]) else None
-        steps = [whole] if whole else [step for joint in found for step in (joint.steps or (joint,))]
+        whole = above[0] if len(above) == 1 and _is_one(above[0]) else None
+        steps = [whole] if whole else [step for joint in above for step in (joint.steps or (joint,))]
         steps = [replace(step, anchor=ZERO3) if step.kind == JointKind.FIXED else step for step in steps]
         chain: list[Joint] = []
         X_PJ = self._X_PC.get(child, IDENTITY) @ Pose.of(position=steps[0].anchor)
@@ -305,7 +305,7 @@ def without_broken_mimics(joints: Sequence[Joint], findings: list[Finding]) -> t
 
 
 def at_initial(robot: Robot, initial: Mapping[str, float], findings: list[Finding] | None) -> Robot:
-    """The robot in the initial pose of its file; with ``found``, joints outside their limits are moved to them.
+    """The robot in the initial pose of its file; with ``findings``, joints outside their limits are moved to them.
 
     Leaders are moved to where their followers are within limits, too, and the other joints of a loop follow.
     """

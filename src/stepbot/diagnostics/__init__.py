@@ -142,8 +142,8 @@ class Diagnostics:
     def ignore(self, rules: Iterable[Ignore]) -> None:
         """Suppress diagnostics that match these rules, already added ones included."""
         self._ignores += rules
-        found, self._reported = self._reported, {}
-        self.extend(found)
+        earlier, self._reported = self._reported, {}
+        self.extend(earlier)
 
     def ignores_at(self, code: str, span: Span) -> bool:
         """Whether a rule of the subject at a place suppresses a code, for summaries, which no such rule covers."""
@@ -248,7 +248,7 @@ def source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str
     for diagnostic in diagnostics:
         if diagnostic.span.line:
             wanted.setdefault(diagnostic.span.file, set()).add(diagnostic.span.line)
-    found: dict[tuple[str, int], str] = {}
+    texts: dict[tuple[str, int], str] = {}
     for file, numbers in wanted.items():
         try:
             if Path(file).stat().st_size > LARGEST_SOURCE:
@@ -256,9 +256,9 @@ def source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str
             with Path(file).open(encoding="utf-8", errors="replace") as source:
                 for number, line in enumerate(source, start=1):
                     if number in numbers:
-                        found[file, number] = line.removeprefix("\ufeff").rstrip("\n")
+                        texts[file, number] = line.removeprefix("\ufeff").rstrip("\n")
                     if number >= max(numbers):
                         break
         except OSError:  # missing or unreadable now: the headline is sufficient
             continue
-    return found
+    return texts

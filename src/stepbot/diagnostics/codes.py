@@ -51,10 +51,10 @@ class _Codes(Mapping[str, Code]):
 
     def __getitem__(self, code: str) -> Code:
         name, _, feature = code.partition(":")
-        found = self._codes[name]
-        if code != name and feature not in found.features:
+        entry = self._codes[name]
+        if code != name and feature not in entry.features:
             raise KeyError(code)
-        return found
+        return entry
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._codes)
@@ -68,11 +68,11 @@ class _Codes(Mapping[str, Code]):
 
     @cached_property
     def _codes(self) -> dict[str, Code]:
-        found = {}
+        codes = {}
         for name, title, severity, exit_code, explanation, fix, features in _SECTION.findall(self.page):
             words = tuple(re.findall(r"`(.+?)`", features))
-            found[name] = Code(name, cast(Severity, severity), title, explanation, fix, bool(exit_code), words)
-        return found
+            codes[name] = Code(name, cast(Severity, severity), title, explanation, fix, bool(exit_code), words)
+        return codes
 
 
 CODES = _Codes()

@@ -80,17 +80,17 @@ class Origins:
         parent = hinge.b if child == hinge.a else hinge.a
         bearing = ((hinge.through,),) if hinge.through >= 0 else ()
         for parts in (*bearing, (parent, child), (child,), (parent,)):
-            found = self._chosen(parts, axis, slides=kind == JointKind.PRISMATIC)
-            if found is not None:
-                return found
+            origin = self._chosen(parts, axis, slides=kind == JointKind.PRISMATIC)
+            if origin is not None:
+                return origin
         return Found(_numbers(axis.point, perpendicular_frame(axis.d)), axis)
 
     def _chosen(self, parts: Sequence[int], axis: Axis, *, slides: bool) -> Found | None:
         """The line of one component, or the mate of two, on the axis, with its selector among all lines."""
         faces = [self._of(part) for part in parts]
-        found = mates(faces[0], faces[1]) if len(faces) == 2 else lines(faces[0])
+        candidates = mates(faces[0], faces[1]) if len(faces) == 2 else lines(faces[0])
         form = OriginForm.MATE if len(faces) == 2 else OriginForm.AXIS_OF
-        for line, selector in zip(found, selectors(found) if found else (), strict=True):
+        for line, selector in zip(candidates, selectors(candidates) if candidates else (), strict=True):
             own = Axis(np.array(line.point), np.array(line.direction))
             if own.same(axis):
                 snippet = OriginSnippet(form, tuple(map(self._path, parts)), selector.radius, selector.near)
@@ -169,19 +169,19 @@ class _Drafting:
 
     def draft(self, robot: str) -> Draft:
         """The inferred mechanism, as data."""
-        found = self._inferred
-        order = [found.root, *(n for n in range(len(found.links)) if n != found.root)]
-        tree = [arc for arc in found.arcs if not arc.is_closure]
-        loops = [arc for arc in found.arcs if arc.is_closure]
+        inferred = self._inferred
+        order = [inferred.root, *(n for n in range(len(inferred.links)) if n != inferred.root)]
+        tree = [arc for arc in inferred.arcs if not arc.is_closure]
+        loops = [arc for arc in inferred.arcs if arc.is_closure]
         return Draft(
             robot=robot,
-            root=self._names[found.root],
+            root=self._names[inferred.root],
             links=tuple(self._link(n) for n in order),
             joints=geared(self._inferred, tree, [self._joint(arc) for arc in tree]),
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._fused(h) for h in self._offered()),
-            notes=(*self._stillness(), *self._drawn_off(), *found.survey.cut),
-            base=Base.FLOATING if self._rolls(tree) and self._has_mass(found.root) else Base.FIXED,
+            notes=(*self._stillness(), *self._drawn_off(), *inferred.survey.cut),
+            base=Base.FLOATING if self._rolls(tree) and self._has_mass(inferred.root) else Base.FIXED,
         )
 
     def _stillness(self) -> tuple[str, ...]:
@@ -227,21 +227,21 @@ class _Drafting:
 
     def _fused(self, h: JointEvidence) -> Alternative:
         """A joint within a link, with the part that it would free and what holds that part."""
-        found = self._alternative(h)
+        alternative = self._alternative(h)
         link = self._link_of[h.a]
         parts = self._inferred.survey.parts
         if link != self._link_of[h.b] or parts[h.a].is_small or parts[h.b].is_small:
-            return found
+            return alternative
         moving = min((h.a, h.b), key=lambda i: (parts[i].volume, -i))
         if Role.MOTOR in parts[moving].roles and not h.drives:
-            return found  # it shares a hole for a screw with what carries it
+            return alternative  # it shares a hole for a screw with what carries it
         if parts[moving].volume < _SCREW * self._inferred.survey.volume and parts[moving].is_balanced(h.axis, _ROUGHLY):
-            return found  # a screw without a name
+            return alternative  # a screw without a name
         welds = [weld for weld in self._inferred.welds if (weld.a, weld.b) == (min(h.a, h.b), max(h.a, h.b))]
         held = max(welds, key=lambda weld: weld.score).why if welds else "other parts of the link hold both"
         freed = LinkClaims.name(self._claims, [parts[moving]])[0]
         return replace(
-            found, link=self._names[link], moving=self._assembly.components[moving].path, held=held, freed=freed
+            alternative, link=self._names[link], moving=self._assembly.components[moving].path, held=held, freed=freed
         )
 
     def _link(self, n: int) -> DraftLink:
@@ -278,14 +278,14 @@ class _Drafting:
         return any(self._assembly.bodies[components[i].body].has_volume for i in self._inferred.links[n])
 
     def _moving_joint(self, arc: TreeJoint) -> DraftJoint:
-        found, confidence, doubt = self._origin(arc)
-        axis = found.axis
+        origin, confidence, doubt = self._origin(arc)
+        axis = origin.axis
         h, child = self._as_drawn(arc.evidence), self._names[arc.child]
         is_universal = h.type == JointKind.UNIVERSAL and h.axis2 is not None
         return DraftJoint(
             name=f"{child}_joint",
             type=JointKind.CONTINUOUS if self._is_wheel(arc, self._wheels) else h.type,
-            origin=found.snippet,
+            origin=origin.snippet,
             axis="x" if is_universal else "z",
             point=_point(axis),
             direction=_direction(axis),
@@ -303,12 +303,12 @@ class _Drafting:
         )
 
     def _closure(self, arc: TreeJoint) -> DraftClosure:
-        found, confidence, doubt = self._origin(arc)
-        axis, h = found.axis, arc.evidence
+        origin, confidence, doubt = self._origin(arc)
+        axis, h = origin.axis, arc.evidence
         return DraftClosure(
             name=f"{self._names[arc.parent]}_{self._names[arc.child]}",
             type=h.type,
-            origin=found.snippet,
+            origin=origin.snippet,
             axis="z",
             point=_point(axis),
             direction=_direction(axis),
@@ -324,10 +324,10 @@ class _Drafting:
     def _origin(self, arc: TreeJoint) -> tuple[Found, Confidence, str]:
         """The origin of a joint, the evidence for it, and the doubt of its faces, unless the user has stated it."""
         h = self._as_drawn(arc.evidence)
-        found = self._origins.of(h, h.a if self._link_of[h.a] == arc.child else h.b)
-        selected = (f"on the axis of {found.selected_by}",) if found.selected_by else ()
+        origin = self._origins.of(h, h.a if self._link_of[h.a] == arc.child else h.b)
+        selected = (f"on the axis of {origin.selected_by}",) if origin.selected_by else ()
         is_drafted = h.score >= CHOSEN and not h.why.startswith(STATED)
-        return found, Confidence(h.score, (h.why, *selected)), found.doubt if is_drafted else ""
+        return origin, Confidence(h.score, (h.why, *selected)), origin.doubt if is_drafted else ""
 
     def _as_drawn(self, h: JointEvidence) -> JointEvidence:
         """The evidence with its axes where the parts are drawn."""
@@ -342,10 +342,10 @@ class _Drafting:
     @cached_property
     def _offered_between(self) -> Mapping[frozenset[int], Sequence[JointEvidence]]:
         """Joints found, by their links."""
-        found = defaultdict[frozenset[int], list[JointEvidence]](list)
+        between = defaultdict[frozenset[int], list[JointEvidence]](list)
         for h in self._inferred.offered:
-            found[frozenset((self._link_of[h.a], self._link_of[h.b]))].append(h)
-        return found
+            between[frozenset((self._link_of[h.a], self._link_of[h.b]))].append(h)
+        return between
 
     def _offered(self) -> list[JointEvidence]:
         """Joints found within one link, or between links that another path joins."""

@@ -79,26 +79,26 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     Raises:
         KeyError: A fact is about a path that is not that of a part.
     """
-    found = _infer(survey, facts, {})
-    needed = {**found.pivots, **idle_motors(found.motors, found.arcs, found.offered, found.welds)}
+    inferred = _infer(survey, facts, {})
+    needed = {**inferred.pivots, **idle_motors(inferred.motors, inferred.arcs, inferred.offered, inferred.welds)}
     # Joints that equal parts elsewhere show.
-    joints = [arc.evidence for arc in found.arcs if arc.evidence.score >= CHOSEN]
-    repeats = repeated_joints(found.survey, joints, found.links)
+    joints = [arc.evidence for arc in inferred.arcs if arc.evidence.score >= CHOSEN]
+    repeats = repeated_joints(inferred.survey, joints, inferred.links)
     if needed or repeats:
-        found = _infer(survey, facts, needed, repeats)
+        inferred = _infer(survey, facts, needed, repeats)
     # Each try infers everything again: the work is bounded by the number of parts.
     left = max(_FEWEST_TRIES, _TRIED_PARTS // max(1, len(survey.parts)))
-    while stuck := locked_arcs(found.arcs):
-        for key in missing_joints(found.arcs, found.offered, found.links, stuck)[:left]:
+    while stuck := locked_arcs(inferred.arcs):
+        for key in missing_joints(inferred.arcs, inferred.offered, inferred.links, stuck)[:left]:
             left -= 1
             tried = _infer(survey, facts, {**needed, key: locked.REVIEW}, repeats)
             if len(locked_arcs(tried.arcs)) < len(stuck):
                 needed[key] = locked.REVIEW
-                found = tried
+                inferred = tried
                 break
         else:
             break
-    return found
+    return inferred
 
 
 def _infer(

@@ -48,9 +48,9 @@ def draft_of_names(assembly: Assembly, robot: str) -> tuple[Draft | None, str]:
     marks = [mark for mark in marks if _JOINT.match(plain_name(mark.product))]
     if folder is None or not marks:
         return None, ""
-    found = {mark.product: _joint(assembly, mark) for mark in marks}
-    joints = [joint for joint in found.values() if joint is not None]
-    untyped = [f"'{name}'" for name, joint in found.items() if joint is None]
+    stated = {mark.product: _joint(assembly, mark) for mark in marks}
+    joints = [joint for joint in stated.values() if joint is not None]
+    untyped = [f"'{name}'" for name, joint in stated.items() if joint is None]
     if untyped:
         types = ", ".join(kind.value for kind in _FREE)
         return None, f"joints named in '{folder.path}' were ignored: no part named {types} in {', '.join(untyped)}"
@@ -80,10 +80,10 @@ def draft_of_names(assembly: Assembly, robot: str) -> tuple[Draft | None, str]:
 
 
 def _joint(assembly: Assembly, at: Component) -> _Named | None:
-    found = _JOINT.match(plain_name(at.product))
+    match = _JOINT.match(plain_name(at.product))
     words = [assembly.components[i].product.lower() for i in assembly.children[at.index]]
     kind = next((kind for word in words for kind in _FREE if word.startswith(kind.value)), None)
-    return None if found is None or kind is None else _Named(kind, found["parent"], found["child"], at)
+    return None if match is None or kind is None else _Named(kind, match["parent"], match["child"], at)
 
 
 def _members(assembly: Assembly, folder: Component, root: str, names: Sequence[str]) -> dict[str, list[int]]:

@@ -192,14 +192,14 @@ class Dialogue:
 
     def _pairs(self) -> list[tuple[str, _Pair]]:
         """Each pair with its motion."""
-        found = []
+        pairs = []
         for joint in (*self._plain.joints, *self._plain.closures):
             if joint.is_open and joint.type is not JointKind.FIXED and not _is_stated(joint):
                 facts, score = _facts_of_connection(joint), joint.confidence.score
                 is_drafted = joint.confidence.is_chosen
                 drafted = joint.type.value if is_drafted else FIXED
                 doubt = 1.0 - score if is_drafted else score
-                found.append((joint.type.value, _Pair(joint.parts, drafted, doubt, facts, joint.review)))
+                pairs.append((joint.type.value, _Pair(joint.parts, drafted, doubt, facts, joint.review)))
         for one in self._plain.fused:
             if one.point is None or _CARRIED & {role for path in (one.a, one.b) for role in roles(self._name(path))}:
                 continue
@@ -208,8 +208,8 @@ class Dialogue:
             moves = KnownJoint(one.a, one.b, one.type, one.point, one.direction, None, why)
             still = KnownJoint(one.a, one.b, JointKind.FIXED, one.point, None)
             pair = _Pair((one.a, one.b), FIXED, one.confidence.score, {FIXED: still, motion: moves})
-            found.append((motion, pair))
-        return found
+            pairs.append((motion, pair))
+        return pairs
 
     def _volume(self, index: int) -> float:
         body = self._assembly.components[index].body

@@ -102,12 +102,12 @@ def _tree(
     tree: list[tuple[KinematicPair, int, int]] = []
     apart: list[int] = []
     while True:
-        found = next((pair for pair in waiting if (pair.links[0] in reached) != (pair.links[1] in reached)), None)
-        if found is not None:
-            parent, child = found.links if found.links[0] in reached else found.links[::-1]
-            tree.append((found, parent, child))
+        next_pair = next((pair for pair in waiting if (pair.links[0] in reached) != (pair.links[1] in reached)), None)
+        if next_pair is not None:
+            parent, child = next_pair.links if next_pair.links[0] in reached else next_pair.links[::-1]
+            tree.append((next_pair, parent, child))
             reached.add(child)
-            waiting.remove(found)
+            waiting.remove(next_pair)
             continue
         missing = next((link for link in links if link not in reached), None)
         if missing is None:

@@ -35,11 +35,11 @@ _TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 def contacts_of(draft: Draft, assembly: Assembly) -> tuple[DraftContact, ...]:
     """The contact properties of wheels, casters, feet and fingers, in the order of the links."""
-    found = _Touching(draft, assembly)
-    wheels = list(found.wheels())
-    proposed = list(found.on_wheels(wheels)) if len(wheels) >= _SEVERAL else list(found.on_feet())
+    touching = _Touching(draft, assembly)
+    wheels = list(touching.wheels())
+    proposed = list(touching.on_wheels(wheels)) if len(wheels) >= _SEVERAL else list(touching.on_feet())
     taken = {one.link for one in proposed}
-    proposed += [one for one in found.fingers() if one.link not in taken]
+    proposed += [one for one in touching.fingers() if one.link not in taken]
     order = {link.name: n for n, link in enumerate(draft.links)}
     return tuple(sorted(proposed, key=lambda one: (order[one.link], one.part)))
 

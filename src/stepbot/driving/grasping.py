@@ -94,13 +94,13 @@ def path_of(mechanism: Mechanism, fingers: Fingers, count: int) -> list[dict[str
     limit = motors[0].limit
     if not np.isfinite([limit.lower, limit.upper]).all():
         return []
-    found = []
+    path = []
     for q in np.linspace(limit.lower, limit.upper, count).tolist():
         try:
-            found.append(posed(mechanism.robot, {motor.joint: q for motor in motors}))
+            path.append(posed(mechanism.robot, {motor.joint: q for motor in motors}))
         except NotReached:
             continue
-    return found
+    return path
 
 
 def _motors(mechanism: Mechanism, fingers: Fingers) -> list[Motor]:

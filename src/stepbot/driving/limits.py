@@ -193,12 +193,12 @@ def demands(content: Mapping[str, Any] | None) -> Demands:
 
 def _objects(given: object, mass: float) -> tuple[Cube, ...]:
     """Objects to grip, each ``[shape, size]``."""
-    found = []
+    cubes = []
     for pair in given if isinstance(given, list) else [given]:
         if not (isinstance(pair, list) and len(pair) == 2 and pair[0] in SHAPES and _is_number(pair[1]) and pair[1]):
             raise InvalidLimits(f"'objects' is not a list of [shape, size in m], with a shape of {', '.join(SHAPES)}")
-        found.append(Cube(float(pair[1]), mass, pair[0]))
-    return tuple(found)
+        cubes.append(Cube(float(pair[1]), mass, pair[0]))
+    return tuple(cubes)
 
 
 def _is_number(value: object) -> bool:

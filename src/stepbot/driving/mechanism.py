@@ -103,20 +103,20 @@ def wheels_of(mechanism: Mechanism) -> Wheels | None:
     if robot.base is not Base.FLOATING:
         return None
     poses = link_poses(robot, mechanism.home)
-    found: list[tuple[Motor, str, Array]] = []
+    driven: list[tuple[Motor, str, Array]] = []
     for motor in mechanism.motors:
         joint = robot.joint_by_name[motor.joint]
         axis = poses[joint.child].turn(joint.axis)
         if joint.kind is JointKind.CONTINUOUS and motor.kind is ActuatorKind.VELOCITY and abs(axis[2]) < _LEVEL:
-            found.append((motor, joint.child, np.cross(axis, (0.0, 0.0, 1.0))))
-    if not found:
+            driven.append((motor, joint.child, np.cross(axis, (0.0, 0.0, 1.0))))
+    if not driven:
         return None
-    ahead = found[0][2] / np.linalg.norm(found[0][2])
+    ahead = driven[0][2] / np.linalg.norm(driven[0][2])
     ahead = ahead if ahead @ (1.0, 1e-3, 0.0) > 0.0 else -ahead
-    wheels = tuple(Wheel(motor.name, link, float(np.sign(way @ ahead))) for motor, link, way in found)
+    wheels = tuple(Wheel(motor.name, link, float(np.sign(way @ ahead))) for motor, link, way in driven)
     rollers = tuple(_rollers(robot, wheel.link) for wheel in wheels)
     all_have = all(len(names) >= _FEWEST_ROLLERS for names in rollers)
-    places = np.array([poses[link].p for _, link, _ in found])
+    places = np.array([poses[link].p for _, link, _ in driven])
     middle = places.mean(axis=0)
     places -= middle
     width = float(np.abs(places @ np.cross((0.0, 0.0, 1.0), ahead)).max())
@@ -177,7 +177,7 @@ def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
     rigid = rigid_bodies(robot.root.name, robot.joints)
     tips = _tips(robot, rigid)
     drivers = [motor for motor in mechanism.motors if motor.kind is ActuatorKind.POSITION]
-    found: dict[Fingers, None] = {}
+    candidates: dict[Fingers, None] = {}
     for motor in drivers:
         hand = robot.joint_by_name[motor.joint].parent
         moved = [joint for joint in robot.joints if joint.kind.is_pair]
@@ -185,19 +185,19 @@ def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
             j for j in moved if mimic_relation(robot, j.name)[0] == motor.joint and rigid[j.parent] == rigid[hand]
         ]
         for one, other in combinations(followers, 2):
-            found.update(dict.fromkeys(_pairs((motor.name,), one, other, tips, rigid, hand)))
+            candidates.update(dict.fromkeys(_pairs((motor.name,), one, other, tips, rigid, hand)))
     for first, second in combinations(drivers, 2):
         one, other = (robot.joint_by_name[motor.joint] for motor in (first, second))
         alike = one.kind is other.kind and one.parent == other.parent and first.limit == second.limit
         bounded = np.isfinite([first.limit.lower, first.limit.upper]).all()
         if alike and bounded and _is_tip(one.child, tips, rigid) and _is_tip(other.child, tips, rigid):
             names = (first.name, second.name)
-            found.update(dict.fromkeys(_pairs(names, one, other, tips, rigid, one.parent)))
-    paired = {name for fingers in found for name in fingers.motors}
+            candidates.update(dict.fromkeys(_pairs(names, one, other, tips, rigid, one.parent)))
+    paired = {name for fingers in candidates for name in fingers.motors}
     for motor in drivers if robot.closures else ():
         if motor.name not in paired:
-            found.update(dict.fromkeys(_looped_pairs(mechanism, motor, rigid)))
-    return tuple(found)
+            candidates.update(dict.fromkeys(_looped_pairs(mechanism, motor, rigid)))
+    return tuple(candidates)
 
 
 def _looped_pairs(mechanism: Mechanism, motor: Motor, rigid: Mapping[str, str]) -> Iterator[Fingers]:
@@ -243,15 +243,15 @@ def jaw_candidates(mechanism: Mechanism, pairs: Iterable[Fingers]) -> tuple[Fing
     tips = _tips(robot, rigid)
     paired = {motor for pair in pairs for motor in pair.motors}
     looped = {rigid[link] for closure in robot.closures for link in (closure.link_a, closure.link_b)}
-    found: dict[Fingers, None] = {}
+    candidates: dict[Fingers, None] = {}
     for motor in mechanism.motors:
         joint = robot.joint_by_name[motor.joint]
         bounded = motor.limit.upper - motor.limit.lower <= (pi if motor.angular else inf)
         alone = motor.kind is ActuatorKind.POSITION and motor.name not in paired and rigid[joint.child] not in looped
         if alone and bounded and _is_tip(joint.child, tips, rigid):
             jaw, hand = (_together(rigid, rigid[link]) for link in (joint.child, joint.parent))
-            found[Fingers((motor.name,), jaw, hand, joint.parent, fixed=True)] = None
-    return tuple(found)
+            candidates[Fingers((motor.name,), jaw, hand, joint.parent, fixed=True)] = None
+    return tuple(candidates)
 
 
 def _together(rigid: Mapping[str, str], name: str) -> frozenset[str]:

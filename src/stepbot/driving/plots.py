@@ -48,11 +48,11 @@ def sheet(driven: Driven) -> bytes:
 
 
 def _by_test(driven: Driven) -> dict[str, list[Verdict]]:
-    found: dict[str, list[Verdict]] = {}
+    verdicts: dict[str, list[Verdict]] = {}
     for verdict in driven.verdicts:
         if verdict.result is not None:
-            found.setdefault(verdict.test, []).append(verdict)
-    return found
+            verdicts.setdefault(verdict.test, []).append(verdict)
+    return verdicts
 
 
 def _svg(rows: list[list[Verdict]]) -> bytes:

@@ -108,7 +108,9 @@ def survey(
     swept = tuple(place.sweep(motor) for motor in place.servos)
     sweeps = tuple(move for move, _ in swept)
     ranges = tuple(
-        found for motor, (move, stops) in zip(place.servos, swept, strict=True) for found in _range(motor, move, stops)
+        swept_ranges
+        for motor, (move, stops) in zip(place.servos, swept, strict=True)
+        for swept_ranges in _range(motor, move, stops)
     )
     shares = [one.share for one in ranges]
     tried: dict[tuple[Fingers, Cube | None], Grasp | str] = {}
@@ -121,11 +123,11 @@ def survey(
         steps=tuple(move for motor in place.servos for move in place.step(motor)),
         sweeps=sweeps,
         covered=float(np.mean(shares)) if shares else 1.0,
-        grasps=tuple(found for found in tried.values() if not isinstance(found, str)),
+        grasps=tuple(swept_ranges for swept_ranges in tried.values() if not isinstance(swept_ranges, str)),
         misses={
-            f"{pair.motors[0]}, {given}" if given else pair.motors[0]: found
-            for (pair, given), found in tried.items()
-            if isinstance(found, str)
+            f"{pair.motors[0]}, {given}" if given else pair.motors[0]: swept_ranges
+            for (pair, given), swept_ranges in tried.items()
+            if isinstance(swept_ranges, str)
         },
         ranges=ranges,
         overlaps=overlaps,

@@ -89,10 +89,10 @@ def inner_joints(file: Path, kinds: Collection[str] = ("planar", "floating")) ->
     Raises:
         EngineRefused: The file is not XML.
     """
-    found = []
+    lines = []
     for joint in xml_root(file).iterfind("joint") if is_file(file) else ():  # engines reject what is not there
         kind, parent = joint.get("type"), joint.find("parent")
         on_world = kind == "floating" and parent is not None and parent.get("link") == "world"
         if kind in kinds and not on_world:
-            found.append(f"'{joint.get('name')}' ({kind})")
-    return ", ".join(found)
+            lines.append(f"'{joint.get('name')}' ({kind})")
+    return ", ".join(lines)

@@ -39,10 +39,10 @@ def provider(module: str) -> Provider:
 def _listing(site: Path, file: Path) -> list[Provider]:
     """The distributions in a folder that list a file with its present size; one installed later may overwrite it."""
     start, end = f"\n{file.relative_to(site).as_posix()},".encode(), f",{file.stat().st_size}".encode()
-    found = []
+    providers = []
     for record in sorted(site.glob("*.dist-info/RECORD")):
         _, listed, rest = (b"\n" + read_regular(record)).partition(start)
         if listed and rest.partition(b"\n")[0].rstrip().endswith(end):
             name, _, version = record.parent.name.removesuffix(".dist-info").partition("-")
-            found.append(Provider(distribution=name.replace("_", "-"), version=version))
-    return found
+            providers.append(Provider(distribution=name.replace("_", "-"), version=version))
+    return providers

@@ -59,13 +59,13 @@ def excessive_sizes(root: Any) -> Iterator[tuple[Any, str]]:
 
 def _numbers(text: str) -> list[float]:
     """The numbers of a text; MuJoCo reports texts that are no numbers."""
-    found = []
+    values = []
     for word in text.split():
         try:
-            found.append(abs(float(word)))
+            values.append(abs(float(word)))
         except ValueError:
             continue
-    return found
+    return values
 
 
 def _bytes(text: str) -> float:
@@ -113,10 +113,10 @@ def refusals(file: str, written_in: str, folders: Iterable[Path] = ()) -> tuple[
         folders: Those, in addition to its own, from which an MJCF may include files.
     """
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
-    found = _layer_refusals(main) if written_in == "usd" else ()
+    refused = _layer_refusals(main) if written_in == "usd" else ()
     if written_in in _XML:
-        found = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)], {main}, (main,))
-    return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
+        refused = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)], {main}, (main,))
+    return tuple(replace(one, file=_shown(one.file, main, given)) for one in refused)
 
 
 def _layer_refusals(main: Path) -> Iterator[Refusal]:

@@ -84,11 +84,11 @@ def locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
     """Make the paths of meshes absolute."""
     for element in top.iter("mesh", "uri"):
         uri = element.get("filename", "") or (element.text or "").strip()
-        found = resolve(uri, file, packages) if uri else None
-        if found is not None and element.get("filename"):
-            element.set("filename", resolved(found).as_posix())
-        elif found is not None:
-            element.text = resolved(found).as_posix()
+        target = resolve(uri, file, packages) if uri else None
+        if target is not None and element.get("filename"):
+            element.set("filename", resolved(target).as_posix())
+        elif target is not None:
+            element.text = resolved(target).as_posix()
 
 
 _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

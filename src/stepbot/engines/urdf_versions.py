@@ -68,9 +68,9 @@ def newer_than_stated(robot: Element) -> Iterator[Newer]:
         **{f"attribute '{name}' of <limit>": (1.2, f"joint/limit[@{name}]") for name in EXTRA_LIMITS},
     }
     for what, (needs, path) in kinds.items():
-        found = robot.xpath(path.replace("(link|joint)", "*[self::link or self::joint]")) if stated < needs else ()
-        if found:
-            yield Newer(what, needs, found[0].sourceline or 0)
+        elements = robot.xpath(path.replace("(link|joint)", "*[self::link or self::joint]")) if stated < needs else ()
+        if elements:
+            yield Newer(what, needs, elements[0].sourceline or 0)
 
 
 def rpy_of(origin: Element) -> Vector3 | None:

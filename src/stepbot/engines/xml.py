@@ -63,7 +63,7 @@ def parsed(content: bytes, *, remove_comments: bool = False) -> Any:
         return etree.fromstring(content, parser)
     except etree.XMLSyntaxError:
         kinds, known = {one.type for one in parser.error_log}, etree.ErrorTypes
-        bare = _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content)
+        bare = _COMMENT.sub(lambda match: b"\n" * match[0].count(b"\n"), content)
         if known.ERR_HYPHEN_IN_COMMENT in kinds and bare != content:
             root = parsed(bare)
             if root.tag != "robot":

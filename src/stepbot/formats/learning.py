@@ -215,7 +215,7 @@ if __name__ == "__main__":
 
 def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
     """For each kind of actuator its key, class, joints and further arguments; motors have no controller."""
-    found = []
+    controllers = []
     for kind, control in (
         (ActuatorKind.POSITION, "PDJointPosControllerConfig"),
         (ActuatorKind.VELOCITY, "PDJointVelControllerConfig"),
@@ -236,8 +236,8 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
             "normalize_action": False,
         }
         arguments = "".join(f"                {key}={literal(value)},\n" for key, value in rows.items())
-        found.append((kind.value, control, [one.joint for one in group], arguments))
-    return found
+        controllers.append((kind.value, control, [one.joint for one in group], arguments))
+    return controllers
 
 
 def _turning(robot: Robot) -> list[Chain]:
@@ -278,8 +278,8 @@ def _other_than_an_arm(robot: Robot) -> str:
     """Why robosuite cannot take a robot as an arm; empty if it can."""
     moving = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED]
     others = [joint.name for joint in moving if any(part in joint.name for part in ("torso", "mobile", "head", "leg"))]
-    found = chains(robot)
-    is_chain = len(found) == 1 and found[0].joints == tuple(moving) and all(joint.kind.is_pair for joint in moving)
+    arms = chains(robot)
+    is_chain = len(arms) == 1 and arms[0].joints == tuple(moving) and all(joint.kind.is_pair for joint in moving)
     if robot.base is Base.FLOATING or not is_chain:
         return "its arms have a fixed base and one chain of hinges or slides; `without` of a module leaves out a hand"
     if others:

@@ -37,20 +37,20 @@ def sphere_around(points: Array) -> tuple[Sphere, Pose] | None:
 
 def cylinder_around(points: Array, directions: Iterable[Array]) -> tuple[Cylinder, Pose] | None:
     """The smallest cylinder around points (n, 3) [m] along one of the directions, and its pose."""
-    found = []
+    candidates = []
     for R in map(perpendicular_frame, directions):
         across, along = matrix_product(points, R[:, :2]), dot(points, R[:, 2])
         center, radius = smallest_ball(across)
         length = float(along.max() - along.min())
         middle = rotated(R, np.array([*center, 0.5 * (along.max() + along.min())]))
         if radius >= THINNEST and length >= THINNEST:
-            found.append((pi * radius**2 * length, Cylinder(radius, length), Pose.of(R, middle)))
-    return min(found, key=lambda fit: fit[0])[1:] if found else None
+            candidates.append((pi * radius**2 * length, Cylinder(radius, length), Pose.of(R, middle)))
+    return min(candidates, key=lambda fit: fit[0])[1:] if candidates else None
 
 
 def capsule_around(points: Array, directions: Iterable[Array]) -> tuple[Capsule, Pose] | None:
     """The smallest capsule around points (n, 3) [m] along one of the directions, and its pose."""
-    found = []
+    candidates = []
     for R in map(perpendicular_frame, directions):
         across, along = matrix_product(points, R[:, :2]), dot(points, R[:, 2])
         center, radius = smallest_ball(across)
@@ -61,8 +61,8 @@ def capsule_around(points: Array, directions: Iterable[Array]) -> tuple[Capsule,
         middle = rotated(R, np.array([*center, 0.5 * (low + high)]))
         if radius >= THINNEST:
             volume = pi * radius**2 * (length + 4.0 / 3.0 * radius)
-            found.append((volume, Capsule(radius, length), Pose.of(R, middle)))
-    return min(found, key=lambda fit: fit[0])[1:] if found else None
+            candidates.append((volume, Capsule(radius, length), Pose.of(R, middle)))
+    return min(candidates, key=lambda fit: fit[0])[1:] if candidates else None
 
 
 def smallest_ball(points: Array) -> tuple[Array, float]:

@@ -28,8 +28,8 @@ def distances_from(vertices: Array, faces: Any) -> Distances:
 
     def distances(points: Array) -> Array:
         probes = (fcl.CollisionObject(sphere, fcl.Transform(point)) for point in points)
-        found = [fcl.distance(probe, surface, fcl.DistanceRequest(), fcl.DistanceResult()) for probe in probes]
-        return np.asarray(np.maximum(found, 0.0))
+        results = [fcl.distance(probe, surface, fcl.DistanceRequest(), fcl.DistanceResult()) for probe in probes]
+        return np.asarray(np.maximum(results, 0.0))
 
     return distances
 

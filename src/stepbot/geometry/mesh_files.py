@@ -68,15 +68,15 @@ def read_content(path: Path) -> MeshContent | None:
         meshes = [TriMesh.of(mesh.vertices * unit, mesh.faces) for mesh in read]
         if kind == _STL:
             meshes = [merged(mesh) for mesh in meshes]
-        found = joined(meshes) if meshes else None
+        joined_mesh = joined(meshes) if meshes else None
         colors = [_color(mesh.visual, linear=kind in _LINEAR) for mesh in read] if kind in (_COLLADA, *_LINEAR) else []
         other = b"usemtl" in content if kind == ".obj" else any(_has_other_looks(mesh.visual) for mesh in read)
         other |= is_broken
     except Exception:  # noqa: BLE001 - whatever a loader raises over foreign bytes, there are no triangles
         return None
-    if found is None or not len(found.vertices) or not bool(np.isfinite(found.vertices).all()):
+    if joined_mesh is None or not len(joined_mesh.vertices) or not bool(np.isfinite(joined_mesh.vertices).all()):
         return None
-    return MeshContent(found, _by_color(meshes, colors), other, buffers)
+    return MeshContent(joined_mesh, _by_color(meshes, colors), other, buffers)
 
 
 def _with_buffers(content: bytes, folder: Path) -> tuple[bytes, tuple[Path, ...]]:
@@ -131,11 +131,11 @@ def _loaded(content: bytes, kind: str) -> tuple[Any, bool]:
 def _placed(scene: Any) -> list[Any]:
     """The geometries of a scene at their places, in the order of the file, which the nodes of the scene do not keep."""
     order = {name: index for index, name in enumerate(scene.geometry)}
-    found = []
+    placed = []
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]
-        found.append((order[name], str(node), scene.geometry[name].copy().apply_transform(transform)))
-    return [mesh for _, _, mesh in sorted(found, key=lambda one: one[:2])]
+        placed.append((order[name], str(node), scene.geometry[name].copy().apply_transform(transform)))
+    return [mesh for _, _, mesh in sorted(placed, key=lambda one: one[:2])]
 
 
 def _color(visual: Any, *, linear: bool) -> Color | None:

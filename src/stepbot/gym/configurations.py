@@ -176,24 +176,24 @@ class Configurations:
 
 def _drawn_joints(model: Model) -> list[int]:
     """Hinges and slides that actuators hold in place; all of them if an actuator acts on something else."""
-    found = actuators(model)
+    acting = actuators(model)
     scalar = [joint for joint in range(model.njnt) if joint_kind(model, joint) in ("hinge", "slide")]
-    if any(one.joint is None for one in found):
+    if any(one.joint is None for one in acting):
         return scalar
-    wheels = {one.joint for one in found if one.drives == "velocity"}
-    driven = {one.joint for one in found}
+    wheels = {one.joint for one in acting if one.drives == "velocity"}
+    driven = {one.joint for one in acting}
     return [joint for joint in scalar if joint in driven and (model.jnt_limited[joint] or joint not in wheels)]
 
 
 def _scalar_joint(model: Model, joint: str) -> int:
     """Index of a hinge or slide."""
-    found = index(model, "JOINT", joint)
-    if found < 0 or joint_kind(model, found) not in ("hinge", "slide"):
+    number = index(model, "JOINT", joint)
+    if number < 0 or joint_kind(model, number) not in ("hinge", "slide"):
         scalar = [j for j in range(model.njnt) if joint_kind(model, j) in ("hinge", "slide")]
         raise ValueError(
             f"home: no hinge or slide '{joint}'; there are {', '.join(name(model, 'JOINT', j) for j in scalar)}"
         )
-    return found
+    return number
 
 
 def _check_within_limits(model: Model, joint: int, position: float) -> None:

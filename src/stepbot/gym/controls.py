@@ -88,20 +88,20 @@ class Controls:
         """
         if mode not in MODES:
             raise ValueError(f"unknown mode of actions '{mode}'; there are {', '.join(MODES)}")
-        found = actuators(model)
-        moved = [mode == "rate" and one.drives == "position" and one.joint is not None for one in found]
-        self.names = tuple(f"{one.name}/{'rate' if m else one.drives}" for one, m in zip(found, moved, strict=True))
-        units = [one.unit(model) for one in found]
+        driven = actuators(model)
+        moved = [mode == "rate" and one.drives == "position" and one.joint is not None for one in driven]
+        self.names = tuple(f"{one.name}/{'rate' if m else one.drives}" for one, m in zip(driven, moved, strict=True))
+        units = [one.unit(model) for one in driven]
         self.units = tuple(f"{unit}/s" if m else unit for unit, m in zip(units, moved, strict=True))
-        self.targets = tuple(f"{one.name}/target" for one, m in zip(found, moved, strict=True) if m)
+        self.targets = tuple(f"{one.name}/target" for one, m in zip(driven, moved, strict=True) if m)
         """Targets that actions move: the state of this object."""
         self.target_units = tuple(unit for unit, m in zip(units, moved, strict=True) if m)
         self._moved = np.array(moved)
-        self._gear = np.array([one.gear for one in found])
-        ranges = [_range(model, one, float(home[one.index]), endless=m) for one, m in zip(found, moved, strict=True)]
+        self._gear = np.array([one.gear for one in driven])
+        ranges = [_range(model, one, float(home[one.index]), endless=m) for one, m in zip(driven, moved, strict=True)]
         self._low, self._high = np.array(ranges).T
         self._home = np.clip(home, self._low, self._high)
-        speeds = [_speed(model, one, max_speed) if m else 0.0 for one, m in zip(found, moved, strict=True)]
+        speeds = [_speed(model, one, max_speed) if m else 0.0 for one, m in zip(driven, moved, strict=True)]
         self._speed = np.array(speeds)
         self._step = np.abs(self._gear) * self._speed * period
         self._normalise, self._period = normalise, period

@@ -74,8 +74,8 @@ def own_copy(model: "str | PathLike[str] | Model") -> Model:
 
 def name(model: Model, kind: str, index: int) -> str:
     """Name of an element, or its kind and index if it has none; ``kind`` as in ``mjOBJ_<kind>``."""
-    found = mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind}"), index)
-    return found or f"{kind.lower()}_{index}"
+    text = mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind}"), index)
+    return text or f"{kind.lower()}_{index}"
 
 
 def index(model: Model, kind: str, name: str) -> int:
@@ -109,11 +109,11 @@ def has_loops(model: Model) -> bool:
 
 def path(model: Model, body: int) -> list[int]:
     """The bodies from the world's child to this one."""
-    found: list[int] = []
+    joints: list[int] = []
     while body:
-        found.append(body)
+        joints.append(body)
         body = int(model.body_parentid[body])
-    return found[::-1]
+    return joints[::-1]
 
 
 def joints_of(model: Model, body: int) -> Iterator[int]:

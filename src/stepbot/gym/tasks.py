@@ -66,8 +66,8 @@ class Reach(RobotEnv):
     @property
     def tip(self) -> Array:
         """Position (3,) [m] of the tip in the world."""
-        found = self.data.site_xpos[self._site] if self._site >= 0 else self.data.xpos[self._body]
-        return np.array(found)
+        position = self.data.site_xpos[self._site] if self._site >= 0 else self.data.xpos[self._body]
+        return np.array(position)
 
     @property
     def tip_name(self) -> str:

@@ -195,10 +195,10 @@ def _rows() -> "Codec[tuple[JointRow, ...]]":
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
     if conversion.named:
         TypedCache(options.cache, str).put(_name_key(content), conversion.named)
-    report, summary, found = conversion.report, conversion.summary, conversion.diagnostics
+    report, summary, diagnostics = conversion.report, conversion.summary, conversion.diagnostics
     if not conversion.geometry or report is None or summary is None:
         return
-    if found.has_errors or any(one.code == _NEVER_KEPT for one in found):
+    if diagnostics.has_errors or any(one.code == _NEVER_KEPT for one in diagnostics):
         return
     from stepbot.report.results import Results
     from stepbot.runtime.output_list import content_hashes
@@ -210,7 +210,7 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
         TypedCache(options.cache, tuple[str, ...]).put(_modules_key(sidecar, content), names)
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
     hashes = content_hashes(conversion.files)
-    record = Record(conversion.files, hashes, tuple(found), found.ignored, Kept(encoded, summary))
+    record = Record(conversion.files, hashes, tuple(diagnostics), diagnostics.ignored, Kept(encoded, summary))
     TypedCache(options.cache, Record).put(key, record)
 
 
@@ -231,8 +231,8 @@ def sidecar_digest(sidecar: Path, variant: str) -> str:
 
 def named_files(text: bytes) -> set[str]:
     """What may be names of YAML and JSON files in a text, in linear time."""
-    found = map(_NAMED_FILE.match, _WORDS.findall(text))
-    return {os.fsdecode(one[0].strip()).replace("\0", "") for one in found if one is not None}
+    matches = map(_NAMED_FILE.match, _WORDS.findall(text))
+    return {os.fsdecode(one[0].strip()).replace("\0", "") for one in matches if one is not None}
 
 
 def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:

@@ -163,15 +163,15 @@ def anchors(visible: NDArray[np.int32]) -> dict[int, Place]:
     """
     from scipy.ndimage import distance_transform_edt, find_objects
 
-    found: dict[int, Place] = {}
+    places: dict[int, Place] = {}
     for owner, window in enumerate(find_objects(visible + 1)):
         if window is None:
             continue
         mask = np.pad(visible[window] == owner, 1)
         depth = distance_transform_edt(mask)
         row, column = np.unravel_index(int(depth.argmax()), depth.shape)
-        found[owner] = (float(window[1].start + column - 1) + 0.5, float(window[0].start + row - 1) + 0.5)
-    return found
+        places[owner] = (float(window[1].start + column - 1) + 0.5, float(window[0].start + row - 1) + 0.5)
+    return places
 
 
 def extent(visible: NDArray[np.int32]) -> tuple[float, float, float, float]:
@@ -224,12 +224,14 @@ class Columns(Struct, frozen=True):
 def placed(labels: Sequence[Wanted], columns: Columns) -> list[Placed]:
     """The labels in two columns."""
     left, right = _sides(labels, columns)
-    found = []
+    placed_labels = []
     for side, x, on_left in ((left, columns.left, True), (right, columns.right, False)):
         ordered = sorted(side, key=lambda label: (label.anchor[1], label.anchor[0], label.text))
         heights = _spread([label.anchor[1] for label in ordered], columns)
-        found += [Placed(label, on_left, y) for label, y in zip(_untangled(ordered, heights, x), heights, strict=True)]
-    return found
+        placed_labels += [
+            Placed(label, on_left, y) for label, y in zip(_untangled(ordered, heights, x), heights, strict=True)
+        ]
+    return placed_labels
 
 
 def _sides(labels: Sequence[Wanted], columns: Columns) -> tuple[list[Wanted], list[Wanted]]:
@@ -248,16 +250,16 @@ def _untangled(labels: list[Wanted], heights: Sequence[float], x: float) -> list
     def length(label: Wanted, y: float) -> float:
         return hypot(label.anchor[0] - x, label.anchor[1] - y)
 
-    found = list(labels)
+    moved = list(labels)
     shortened = True
     while shortened:
         shortened = False
         for (i, a), (j, b) in combinations(enumerate(heights), 2):
-            kept = length(found[i], a) + length(found[j], b)
-            if length(found[j], a) + length(found[i], b) < kept - 1e-9:
-                found[i], found[j] = found[j], found[i]
+            kept = length(moved[i], a) + length(moved[j], b)
+            if length(moved[j], a) + length(moved[i], b) < kept - 1e-9:
+                moved[i], moved[j] = moved[j], moved[i]
                 shortened = True
-    return found
+    return moved
 
 
 def _spread(wanted: Sequence[float], columns: Columns) -> list[float]:

@@ -147,7 +147,7 @@ def draw(subject: Subject, sheet: Sheet) -> Picture:
     renderer = Renderer(scene, camera)
     triangles = renderer.triangles()
     visible = np.where(triangles >= 0, scene.owners[triangles], -1)
-    found = anchors(visible)
+    places = anchors(visible)
     pixels = renderer.picture(sheet.samples)
     unlabelled: tuple[str, ...] = ()
     if sheet.labels:
@@ -155,11 +155,11 @@ def draw(subject: Subject, sheet: Sheet) -> Picture:
         size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
         for axis in subject.axes:
             draw_axis(drawing, renderer, camera, axis, size)
-        unlabelled = _label(drawing, subject, scene, camera, sheet, visible, found)
+        unlabelled = _label(drawing, subject, scene, camera, sheet, visible, places)
         pixels = drawing.done()
     drawn = set(scene.owners.tolist())
-    hidden = tuple(name for owner, name in enumerate(subject.names) if owner in drawn and owner not in found)
-    return Picture(pixels, hidden, {subject.names[owner]: place for owner, place in found.items()}, unlabelled)
+    hidden = tuple(name for owner, name in enumerate(subject.names) if owner in drawn and owner not in places)
+    return Picture(pixels, hidden, {subject.names[owner]: place for owner, place in places.items()}, unlabelled)
 
 
 def png_bytes(pixels: NDArray[np.uint8], texts: dict[str, str] | None = None) -> bytes:
@@ -182,10 +182,10 @@ def _label(
     camera: Camera,
     sheet: Sheet,
     visible: NDArray[np.int32],
-    found: dict[int, Place],
+    places: dict[int, Place],
 ) -> tuple[str, ...]:
     """Add the labels; returns the names for which there is no room."""
-    wanted = _wanted(subject, scene, camera, found)
+    wanted = _wanted(subject, scene, camera, places)
     size = sheet.text_size
     left, _, right, _ = extent(visible)
     column = _column_share(subject, sheet) * sheet.width
@@ -196,7 +196,7 @@ def _label(
         bottom=sheet.height - size,
         pitch=1.45 * size,
     )
-    kept = _most_important(wanted, columns.capacity, visible, found, subject)
+    kept = _most_important(wanted, columns.capacity, visible, places, subject)
     labels = placed(kept, columns)
     rooms: dict[str, float] = {}
     for label in labels:
@@ -209,11 +209,11 @@ def _label(
     return tuple(label.text for label in wanted if label.text not in texts)
 
 
-def _wanted(subject: Subject, scene: Scene, camera: Camera, found: dict[int, Place]) -> list[Wanted]:
+def _wanted(subject: Subject, scene: Scene, camera: Camera, places: dict[int, Place]) -> list[Wanted]:
     labels = []
     for owner in dict.fromkeys(scene.owners.tolist()):
-        if owner in found:
-            labels.append(Wanted(subject.names[owner], found[owner]))
+        if owner in places:
+            labels.append(Wanted(subject.names[owner], places[owner]))
             continue
         points = scene.vertices[np.unique(scene.triangles[scene.owners == owner])]
         (place,) = _places(camera, 0.5 * (points.min(axis=0) + points.max(axis=0)))
@@ -223,13 +223,13 @@ def _wanted(subject: Subject, scene: Scene, camera: Camera, found: dict[int, Pla
 
 
 def _most_important(
-    labels: list[Wanted], most: int, visible: NDArray[np.int32], found: dict[int, Place], subject: Subject
+    labels: list[Wanted], most: int, visible: NDArray[np.int32], places: dict[int, Place], subject: Subject
 ) -> list[Wanted]:
     """Up to ``most`` labels: joints first, then names by visible area."""
     if len(labels) <= most:
         return labels
     areas = np.bincount(visible[visible >= 0].ravel(), minlength=len(subject.names))
-    area_of = {subject.names[owner]: int(areas[owner]) for owner in found}
+    area_of = {subject.names[owner]: int(areas[owner]) for owner in places}
     ranked = sorted(labels, key=lambda label: (label.kind != "joint", -area_of.get(label.text, 0), label.text))
     kept = set(map(id, ranked[:most]))
     return [label for label in labels if id(label) in kept]

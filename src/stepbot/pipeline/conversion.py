@@ -165,15 +165,17 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
         return conversion
     from stepbot.runtime.output import discard, failed_output, write_atomically
 
-    found, failed = conversion.diagnostics, failed_output(output)
-    if not found.has_errors:
-        _report_others(conversion.files, output, found)
+    diagnostics, failed = conversion.diagnostics, failed_output(output)
+    if not diagnostics.has_errors:
+        _report_others(conversion.files, output, diagnostics)
     try:
-        write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found, conversion.hashes)
+        write_atomically(
+            conversion.files, failed if diagnostics.has_errors else output, sidecar, diagnostics, conversion.hashes
+        )
     except StepbotError as error:
-        found.extend(error.diagnostics)
-        return Conversion(found)
-    if not found.has_errors:
+        diagnostics.extend(error.diagnostics)
+        return Conversion(diagnostics)
+    if not diagnostics.has_errors:
         discard(failed)
     return conversion
 

@@ -118,10 +118,10 @@ def _modules(old: Robot, new: Robot) -> tuple[list[Difference], Robot]:
 
 def _below(joints: Iterable[Joint], link: str) -> set[str]:
     """A link, and all links below it."""
-    found, waiting = {link}, list(joints)
-    while more := {joint.child for joint in waiting if joint.parent in found} - found:
-        found |= more
-    return found
+    below, waiting = {link}, list(joints)
+    while more := {joint.child for joint in waiting if joint.parent in below} - below:
+        below |= more
+    return below
 
 
 def differing_robots(old: Path, new: Path, options: Options, diagnostics: Diagnostics) -> Differences | None:

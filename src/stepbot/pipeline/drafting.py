@@ -142,7 +142,7 @@ def kept_answers(sidecar: Path) -> dict[str, str]:
 
 
 def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, diagnostics: Diagnostics) -> str:
-    """Write the sidecar, and the schema for editors if it does not exist; errors are reported in ``found``.
+    """Write the sidecar, and the schema for editors if it does not exist; errors are reported in ``diagnostics``.
 
     Returns:
         The text of the sidecar.

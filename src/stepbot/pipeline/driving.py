@@ -164,8 +164,8 @@ def _files(document: Mapping[str, Any], folder: Path, target: Path, engines: Ite
     """For each engine the file that it drives."""
     name = str(document["robot"].get("name", ""))
     listed = {one.get("path") for one in document["files"] if isinstance(one, Mapping)}
-    found = {engine: folder / f"{name}{_suffix(engine)}" for engine in engines}
-    chosen = {engine: path for engine, path in found.items() if is_file(path) and path.name in listed}
+    files = {engine: folder / f"{name}{_suffix(engine)}" for engine in engines}
+    chosen = {engine: path for engine, path in files.items() if is_file(path) and path.name in listed}
     if is_folder(target):
         return chosen
     return {engine: path for engine, path in chosen.items() if path.name == target.name}

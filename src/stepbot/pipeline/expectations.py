@@ -107,24 +107,24 @@ class _Comparison:
             text = f"{what} is {has:.{digits}g} {unit}, {wanted:.{digits}g} {unit} expected: {100.0 * share:+.3g}%"
             self._report(keys, f"{text}, {100.0 * allowed / wanted:.2g}% allowed")
 
-    def _symmetry(self, axis: str, found: Symmetry) -> None:
+    def _symmetry(self, axis: str, symmetry: Symmetry) -> None:
         keys, k = ("expect", "symmetry"), AXES.index(axis)
-        uneven = sorted((one for one in found.twins if one.difference > _DIFFERENT), key=lambda one: -one.difference)
+        uneven = sorted((one for one in symmetry.twins if one.difference > _DIFFERENT), key=lambda one: -one.difference)
         for twins in uneven:
             a, b = twins.a, twins.b
             weights = f"{_named(a)} weighs {a.mass:.4g} kg, its twin {_named(b)} {b.mass:.4g} kg"
             self._report(keys, f"{weights}: {twins.difference:.0%} off", ASYMMETRIC)
-        if found.alone:
+        if symmetry.alone:
             notes = [
                 f"{_named(one)}: {one.mass:.3g} kg at {axis} = {1e3 * float(one.center[k]):+.4g} mm"
-                for one in found.alone
+                for one in symmetry.alone
             ]
-            count = len(found.alone)
+            count = len(symmetry.alone)
             text = f"{count} part{'s' if count > 1 else ''} without a twin beyond the plane {axis} = 0"
             self._report(keys, text, ASYMMETRIC, cut(notes, _MOST))
-        if found.size and abs(found.offset) > _OFF * found.size:
-            share = abs(found.offset) / found.size
-            text = f"com is {1e3 * found.offset:+.3g} mm off the plane {axis} = 0, {share:.1%} of the size"
+        if symmetry.size and abs(symmetry.offset) > _OFF * symmetry.size:
+            share = abs(symmetry.offset) / symmetry.size
+            text = f"com is {1e3 * symmetry.offset:+.3g} mm off the plane {axis} = 0, {share:.1%} of the size"
             self._report(keys, text, ASYMMETRIC)
 
     def _unknown(self, keys: tuple[str, ...], text: str, name: str, known: Iterable[str]) -> None:

@@ -30,15 +30,15 @@ def input_hashes(files: Mapping[str, Path]) -> dict[str, str]:
 
     Empty if one is gone or unreadable by now: then it is unknown which version was read.
     """
-    found = {}
+    hashes = {}
     for name, path in files.items():
         try:
             with open_regular(path) as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
         except OSError:
             return {}
-        found[name.encode("utf-8", "backslashreplace").decode()] = digest
-    return found
+        hashes[name.encode("utf-8", "backslashreplace").decode()] = digest
+    return hashes
 
 
 def input_names(first: Path, others: Iterable[Path]) -> dict[str, Path]:
@@ -103,7 +103,7 @@ class Loading:
             self.mesh_worker = Worker(MESH_WORKER, memory_limit=options.memory_limit)
 
     def assembly(self, diagnostics: Diagnostics) -> Assembly:
-        """Wait for the assembly and start to measure its bodies; diagnostics go to ``found``.
+        """Wait for the assembly and start to measure its bodies; diagnostics go to ``diagnostics``.
 
         Raises:
             StepbotError: There are errors.
@@ -144,8 +144,8 @@ class Loading:
         """
         assert self._known is not None  # the assembly and its measures were waited for
         names = (self._step.name, *self._known.assembly.external_files)
-        found = input_hashes({name: self._step.parent / name for name in names})
-        return found if self.content else {}
+        hashes = input_hashes({name: self._step.parent / name for name in names})
+        return hashes if self.content else {}
 
     def close(self) -> None:
         """Stop reading; safe to call at any time."""
@@ -223,14 +223,14 @@ class _GeometryCache:
 
 def _state(step: Path) -> tuple[tuple[str, int, int], ...]:
     """Names, times and sizes of the files of an assembly; those that are missing are left out."""
-    found = []
+    state = []
     for name, path in input_files(step).items():
         try:
             status = path.stat()
         except OSError:
             continue
-        found.append((name, status.st_mtime_ns, status.st_size))
-    return tuple(found)
+        state.append((name, status.st_mtime_ns, status.st_size))
+    return tuple(state)
 
 
 def _renamed(geometry: Geometry, names: Mapping[str, str]) -> Geometry:

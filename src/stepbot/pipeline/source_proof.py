@@ -134,13 +134,13 @@ def _given_names(robot: Robot, lowered: Robot) -> NewNames:
 def _chains_in(robot: Robot, joints: Iterable[Joint]) -> dict[str, tuple[Joint, ...]]:
     """For each link below one of the joints, those of a robot between the same two links, from the parent on."""
     above = {one.child: one for one in robot.joints}
-    found = {}
+    chains = {}
     for joint in joints:
         chain = [above[joint.child]]
         while chain[0].parent != joint.parent:
             chain.insert(0, above[chain[0].parent])
-        found[joint.child] = tuple(chain)
-    return found
+        chains[joint.child] = tuple(chain)
+    return chains
 
 
 def _chains(description: Description, described: Described) -> dict[str, ChainNames]:
@@ -149,14 +149,14 @@ def _chains(description: Description, described: Described) -> dict[str, ChainNa
         return {}
     several = [joint for joint in described.robot.joints if joint.kind in (JointKind.PLANAR, JointKind.FLOATING)]
     steps = _chains_in(unfolded(described.robot), several)
-    found = {joint.name: steps[joint.child] for joint in several}
+    chains = {joint.name: steps[joint.child] for joint in several}
     old = {new: name for name, new in described.names.joints.items()}
     locked = {one.name for one in description.observation.joints if one.kind in MOVING} & {
         old.get(one.name, one.name) for one in described.robot.joints if one.kind is JointKind.FIXED
     }
     return {name: ((name,), ()) for name in sorted(locked)} | {
         old.get(name, name): (tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))
-        for name, chain in found.items()
+        for name, chain in chains.items()
     }
 
 

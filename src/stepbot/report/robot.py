@@ -33,11 +33,11 @@ MOTOR = "name part figures unknown doubts"
 """Keys of the objects of the robot, for :func:`.plain.picked`."""
 
 
-def self_collision_document(found: SelfCollision) -> Json:
+def self_collision_document(result: SelfCollision) -> Json:
     """All pairs with their evidence: number of poses, depth [m] and joint positions [rad] or [m] of the first one."""
     keys = "links class=kind contacts first depth pose"
-    pairs = [picked(one, keys, links=[one.link_a, one.link_b], pose=dict(one.pose)) for one in found.pairs]
-    return picked(found, "samples exclude pairs", pairs=pairs)
+    pairs = [picked(one, keys, links=[one.link_a, one.link_b], pose=dict(one.pose)) for one in result.pairs]
+    return picked(result, "samples exclude pairs", pairs=pairs)
 
 
 __all__ = [

@@ -63,10 +63,10 @@ def joint_table_document(rows: Iterable[JointRow]) -> list[Json]:
 
 
 def _joint_row(row: JointRow) -> Json:
-    found = row.evidence
-    rivals = [picked(rival, "basis point direction radii share") for rival in found.rivals]
+    evidence = row.evidence
+    rivals = [picked(rival, "basis point direction radii share") for rival in evidence.rivals]
     return picked(row, "name kind is_closure parent child origin axis axis2") | picked(
-        found, "basis source=text faces=sides overlap clearance selected rivals doubt", rivals=rivals
+        evidence, "basis source=text faces=sides overlap clearance selected rivals doubt", rivals=rivals
     )
 
 
@@ -170,9 +170,9 @@ def _place(row: JointRow) -> str:
 
 
 def _details(row: JointRow) -> Iterator[str]:
-    found = evidence_words(row.evidence)
-    if found:
-        yield found
+    evidence = evidence_words(row.evidence)
+    if evidence:
+        yield evidence
     if row.evidence.doubt:
         yield f"weak: {row.evidence.doubt}"
     sides = dict.fromkeys((*row.evidence.selected_by, *row.evidence.sides))

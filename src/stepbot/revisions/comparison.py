@@ -74,9 +74,9 @@ def rebind(
         places.setdefault(place.pattern, []).append(place)
     locked = {reference.path: reference.components for reference in old.references}
     broken = [
-        found
+        change
         for pattern, several in places.items()
-        if pattern in locked and (found := binding.broken(pattern, tuple(several), locked[pattern])) is not None
+        if pattern in locked and (change := binding.broken(pattern, tuple(several), locked[pattern])) is not None
     ]
     components = part_components(assembly)
     added = frozenset(components[index].index for index in matched.added)
@@ -141,8 +141,8 @@ class _Binding:
             return ""
         wanted = set(self.indices(new))
         for candidate in dict.fromkeys(_spellings(pattern, old, new)):
-            found = self._paths.find_one(candidate) if is_one else self._paths.find(candidate)
-            if not found.problem and set(found.topmost) == wanted:
+            replacement = self._paths.find_one(candidate) if is_one else self._paths.find(candidate)
+            if not replacement.problem and set(replacement.topmost) == wanted:
                 return candidate
         return ""
 

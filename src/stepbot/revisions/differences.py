@@ -81,17 +81,17 @@ def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Di
         new = one.where.replace(" is not in the robot", " is new")
         name = f"{one.where}, formerly {one.expected}" if one.expected else new
         by_place.setdefault(name.removesuffix(" at configuration 1"), []).append(one)
-    for name, found in by_place.items():
-        by_unit = {one.unit: one for one in found}
+    for name, diagnostics in by_place.items():
+        by_unit = {one.unit: one for one in diagnostics}
         renamed = _RENAMED.fullmatch(name)
         if renamed is not None:
             yield Difference("renamed", renamed[1], "paired by structure", new_name=renamed[2])
-        elif set(by_unit) == {"m", "rad"} and len(found) == 2:
+        elif set(by_unit) == {"m", "rad"} and len(diagnostics) == 2:
             distance, angle = by_unit["m"].amount, by_unit["rad"].amount
             words = moved_words(Motion(distance, angle))
             yield Difference(quantity.value, name, words, amount=distance, unit="m", angle=angle)
         else:
-            yield from (_of_robot(quantity, name, one) for one in found)
+            yield from (_of_robot(quantity, name, one) for one in diagnostics)
 
 
 def _of_robot(quantity: Quantity, name: str, deviation: Deviation) -> Difference:

@@ -116,11 +116,11 @@ class _Matching:
         return [index for index in range(len(self._new.parts)) if index not in self._taken]
 
     def _pair(self, i: int, j: int, certainty: Certainty) -> None:
-        found = self._motion(i, j)
+        motion_of_pair = self._motion(i, j)
         is_same = self._old_class[i] == self._new_class[j]
-        if found.is_none:  # the boxes of two mirror images at one place differ
+        if motion_of_pair.is_none:  # the boxes of two mirror images at one place differ
             is_same = is_same and same_box(self._old.parts[i], self._new.parts[j])
-        self._pairs[i] = Pair(i, j, certainty, found, is_same)
+        self._pairs[i] = Pair(i, j, certainty, motion_of_pair, is_same)
         self._taken.add(j)
 
     def _motion(self, i: int, j: int) -> Motion:
@@ -206,8 +206,8 @@ class _Matching:
 
 def _centroids(taken: Snapshot) -> Array:
     """Centroids (n, 3) [m] of all parts."""
-    found = [centroid(part, taken.shape_of(index)) for index, part in enumerate(taken.parts)]
-    return np.array(found).reshape(-1, 3)
+    centroids = [centroid(part, taken.shape_of(index)) for index, part in enumerate(taken.parts)]
+    return np.array(centroids).reshape(-1, 3)
 
 
 def _grouped(indices: Iterable[int], key: Callable[[int], Hashable]) -> dict[Hashable, list[int]]:
@@ -242,14 +242,14 @@ def _common_motion(old: Snapshot, new: Snapshot) -> Pose:
         j = new_paths.get(part.path)
         if j is None or not same_shape(old.shape_of(i), new.shape_of(j)):
             continue
-        found = motion(part, old.shape_of(i), new.parts[j], new.shape_of(j))
-        if found.is_none or found.X_WW is None:
+        moved = motion(part, old.shape_of(i), new.parts[j], new.shape_of(j))
+        if moved.is_none or moved.X_WW is None:
             return IDENTITY
         if part.by_ordinal:
             continue  # it may be another one
-        if common is not None and not _equal(common, found.X_WW):
+        if common is not None and not _equal(common, moved.X_WW):
             return IDENTITY
-        common = common or found.X_WW
+        common = common or moved.X_WW
     return common or IDENTITY
 
 

@@ -120,15 +120,15 @@ def _gyration(shape: Shape) -> float:
     return float(np.sqrt(np.trace(shape.tensor) / (2.0 * shape.measure))) if shape.measure else 0.0
 
 
-def moved_words(found: Motion) -> str:
+def moved_words(motion: Motion) -> str:
     """``moved by 12 mm and turned by 5 deg``."""
     words = []
-    if found.distance > PLACE:
-        words.append(f"moved by {length(found.distance)}")
-    if found.angle is None:
+    if motion.distance > PLACE:
+        words.append(f"moved by {length(motion.distance)}")
+    if motion.angle is None:
         words.append("turned")
-    elif found.angle > ANGLE:
-        words.append(f"turned by {angle(found.angle)}")
+    elif motion.angle > ANGLE:
+        words.append(f"turned by {angle(motion.angle)}")
     return " and ".join(words)
 
 

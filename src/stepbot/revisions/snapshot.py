@@ -167,10 +167,10 @@ def part_components(assembly: Assembly) -> list[Component]:
 def _references(assembly: Assembly, document: Document) -> tuple[Reference, ...]:
     paths = ComponentPaths(assembly.components)
     named = dict.fromkeys(place.pattern for place in component_paths(document))
-    found = {pattern: paths.find(pattern) for pattern in sorted(named)}
+    references = {pattern: paths.find(pattern) for pattern in sorted(named)}
     return tuple(
         Reference(pattern, tuple(assembly.components[index].path for index in binding.topmost))
-        for pattern, binding in found.items()
+        for pattern, binding in references.items()
         if not binding.problem
     )
 

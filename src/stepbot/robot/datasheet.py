@@ -137,7 +137,7 @@ def _plays(robot: Robot) -> Iterator[tuple[str, float, str]]:
 def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:
     """The masses of components by what they are made of, the heaviest first."""
     motors = {f"motor of actuator '{one.name}'": one.motor.name for one in robot.actuators if one.motor is not None}
-    found: dict[str, list[float]] = {}
+    densities: dict[str, list[float]] = {}
     for one in (mass for link in robot.links for mass in link.masses):
         if one.origin in motors:
             name = f"motor {motors[one.origin]}"
@@ -145,9 +145,9 @@ def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:
             name = "given masses"
         else:
             name = one.material or f"{one.density:.6g} kg/m^3"
-        found.setdefault(name, []).append(one.mass or 0.0)
+        densities.setdefault(name, []).append(one.mass or 0.0)
     return tuple(
-        sorted(((name, exact_sum(masses)) for name, masses in found.items()), key=lambda one: (-one[1], one[0]))
+        sorted(((name, exact_sum(masses)) for name, masses in densities.items()), key=lambda one: (-one[1], one[0]))
     )
 
 
@@ -224,7 +224,7 @@ class _Forces:
 
     def joints(self) -> tuple[JointFigures, ...]:
         left = np.maximum(self.efforts - np.abs(self.g), 0.0)
-        found = []
+        figures = []
         for j, name in enumerate(self.names):
             joint, own = self.robot.joint_by_name[name], self.M[:, j, j]
             across = np.abs(self.M[:, :, j])
@@ -241,7 +241,7 @@ class _Forces:
             jerk = joint.limit.jerk if isfinite(joint.limit.jerk) else None
             if jerk is None and fastest is not None and lag > 0.0:
                 jerk = _rounded_down(fastest / lag)
-            found.append(
+            figures.append(
                 JointFigures(
                     name,
                     *(joint.limit.lower, joint.limit.upper, joint.limit.velocity, float(self.efforts[j])),
@@ -252,7 +252,7 @@ class _Forces:
                     (rates[0], rates[1]) if rates else None,
                 )
             )
-        return tuple(found)
+        return tuple(figures)
 
 
 def _rounded(value: float, noise: float = 1e-9) -> float:
@@ -294,12 +294,12 @@ def _tips(robot: Robot) -> list[Frame]:
 
 def _chain(robot: Robot, link: str) -> list[str]:
     """The moving joints from the root to a link."""
-    above, found = {joint.child: joint for joint in robot.joints}, list[str]()
+    above, names = {joint.child: joint for joint in robot.joints}, list[str]()
     while link in above:
         if above[link].kind is not JointKind.FIXED:
-            found.append(above[link].name)
+            names.append(above[link].name)
         link = above[link].parent
-    return found[::-1]
+    return names[::-1]
 
 
 def _outside_loops(robot: Robot) -> Robot:

@@ -198,10 +198,10 @@ def _driven(robot: Robot) -> _Driven:
     searched = {one.joint for one in robot.actuators if one.tuning is not None and one.tuning.at_least}
     of = [drive for drive in drives if tree.independent[drive] in searched]
     if of and (worst := worst_postures(robot, tree, of)) is not None:
-        _, found, held = worst
+        _, driven, held = worst
         armatures = ((armature[:, None] * tree.B**2)[:, of]).sum(axis=0)
         largest, heaviest = inertia.copy(), heaviest.copy()
-        largest[of] = np.maximum(largest[of], found + armatures)
+        largest[of] = np.maximum(largest[of], driven + armatures)
         heaviest[of] = np.maximum(heaviest[of], held)
     stepped, tuned_joints = np.stack([weight] * 3, axis=1), {one.joint for one in robot.actuators if one.tuning}
     for index, name in enumerate(names):
@@ -265,9 +265,9 @@ def _tuned(
             damping = max(passive / CREEP, min(droop, inertia / _SHORTEST)) + passive
         damping = max(inertia * w, damping)
     square = actuator.gear**2
-    found = replace(tuning, inertia=_rounded(inertia), weight=_rounded(weight), stiffened=stiffened, braked=braked)
+    tuned = replace(tuning, inertia=_rounded(inertia), weight=_rounded(weight), stiffened=stiffened, braked=braked)
     kp, kv = kp / square, max(damping - passive, 0.0) / square
-    return replace(actuator, kp=_rounded(kp), kv=_rounded(kv), tuning=found)
+    return replace(actuator, kp=_rounded(kp), kv=_rounded(kv), tuning=tuned)
 
 
 def _holding_stiffness(joint: Joint, heaviest: float) -> float:

@@ -395,6 +395,6 @@ def without_contacts(robot: Robot) -> frozenset[frozenset[str]]:
 
     Adjacent ones, those that the source excludes, and those that :attr:`.Robot.self_collision` excludes.
     """
-    found = robot.self_collision
+    search = robot.self_collision
     stated = frozenset(frozenset(pair) for pair in robot.excluded_contacts)
-    return neighbours(robot) | stated | (found.excluded if found is not None else frozenset())
+    return neighbours(robot) | stated | (search.excluded if search is not None else frozenset())

@@ -50,30 +50,30 @@ def loop_followers(robot: Robot) -> tuple[Follower, ...]:
         return ()
     if robot not in _KNOWN:
         try:
-            _KNOWN[robot] = tuple(_found(robot))
+            _KNOWN[robot] = tuple(_followers(robot))
         except DoesNotClose:  # reported where the loops are verified
             _KNOWN[robot] = ()
     return _KNOWN[robot]
 
 
-def _found(robot: Robot) -> list[Follower]:
+def _followers(robot: Robot) -> list[Follower]:
     loops, driven = Loops(robot), driven_joints(robot)
     names, leading = loops.tree.independent, [name for name in loops.involved if name in driven]
     free = following(loops.tree, driven)
     start, _ = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     actuated = {actuator.joint for actuator in robot.actuators}
     passive = [i for i in free if names[i] in robot.joint_by_name and names[i] not in actuated]
-    found: list[Follower] = []
+    followers: list[Follower] = []
     for near in (True, False):  # most mechanisms are not linear, which shows near the drawn pose already
         if passive:
             paths = {name: _path(robot, loops, start, free, name, near=near) for name in leading}
-            found = [line for i in passive if (line := _line(robot, names, paths, i)) is not None]
-            passive = [names.index(line.joint) for line in found]
-    if found and len(driven) > 1:
+            followers = [line for i in passive if (line := _line(robot, names, paths, i)) is not None]
+            passive = [names.index(line.joint) for line in followers]
+    if followers and len(driven) > 1:
         ways = loop_ways(robot)
-        found = [follower for follower in found if _holds_everywhere(robot, follower, ways)]
+        followers = [follower for follower in followers if _holds_everywhere(robot, follower, ways)]
     order = [joint.name for joint in robot.joints]
-    return sorted(found, key=lambda follower: order.index(follower.joint))
+    return sorted(followers, key=lambda follower: order.index(follower.joint))
 
 
 def _path(robot: Robot, loops: Loops, start: Array, free: list[int], name: str, *, near: bool) -> Array:

@@ -92,9 +92,9 @@ def where_largest(
 
     def best(tried: Array, count: int = 1) -> Array:
         """The configurations (t, count, k) of the largest values among some for each, (t, m, k)."""
-        found = values(tree.follow(tried))
-        scale = np.maximum(np.abs(found).max(axis=1, keepdims=True), np.finfo(float).tiny)
-        order = np.argsort(-np.round(found / scale, _EQUAL), axis=1, kind="stable")[:, :count]
+        result = values(tree.follow(tried))
+        scale = np.maximum(np.abs(result).max(axis=1, keepdims=True), np.finfo(float).tiny)
+        order = np.argsort(-np.round(result / scale, _EQUAL), axis=1, kind="stable")[:, :count]
         return np.asarray(np.take_along_axis(tried, order[..., None], axis=1))
 
     depth = tree.depths()
@@ -230,7 +230,7 @@ class _Walks:
         u = np.tile(self._start, (walks, 1))
         velocity = np.zeros_like(u)
         targets = self._targets(walks)
-        found, count = [self._start[None]], 1
+        rows, count = [self._start[None]], 1
         for _ in range(_PATIENCE * (n // walks + 1) if self._driven else 0):
             if count >= n:
                 break
@@ -241,12 +241,12 @@ class _Walks:
             closed, passed = self._closed(guess, u)
             velocity = np.where(passed[:, None], closed - u, 0.0)
             u = np.where(passed[:, None], closed, u)
-            found.append(u[passed])
+            rows.append(u[passed])
             count += int(passed.sum())
             new = ~passed | (strides <= 1.0)
             targets[new] = self._targets(int(new.sum()))
             velocity[new] = 0.0
-        closed = np.concatenate(found)[:n]
+        closed = np.concatenate(rows)[:n]
         closed[1:, self._outside] = anywhere[1 : len(closed), self._outside]
         return closed
 

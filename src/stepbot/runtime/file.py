@@ -79,7 +79,7 @@ def read_regular(path: Path) -> bytes:
 
 
 def write_file(path: Path, content: bytes, diagnostics: Diagnostics, *, replaces: bytes | None = None) -> None:
-    """Write a file, or keep the previous one and report the error (SB004) in ``found``.
+    """Write a file, or keep the previous one and report the error (SB004) in ``diagnostics``.
 
     The file keeps its mode; where ``path`` is a symbolic link, the file that it leads to is written.
 

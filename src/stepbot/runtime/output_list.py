@@ -131,11 +131,11 @@ class OutputList(NamedTuple):
     @property
     def written(self) -> dict[str, set[str]]:
         """For each listed file the SHA-256 of all that stepbot may have written there."""
-        found = {path: set(digests) for path, digests in self.replaced.items()}
+        hashes = {path: set(digests) for path, digests in self.replaced.items()}
         for needs in self.files.values():
             for path, digest in needs.items():
-                found.setdefault(path, set()).add(digest)
-        return found
+                hashes.setdefault(path, set()).add(digest)
+        return hashes
 
 
 def _mapping(document: Any, key: str, value: Callable[[Any], _Value]) -> dict[str, _Value]:

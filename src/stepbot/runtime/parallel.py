@@ -204,15 +204,15 @@ def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequenc
     results = run(
         lambda number: function(inputs[number]), order, processes=processes, failures=(MemoryError,), work=work
     )
-    found = []
+    ordered = []
     for number in range(len(inputs)):
         result = results[number]
         if isinstance(result, Died):
             raise WorkerDied(result.reason, ())
         if isinstance(result, Raised):
             raise MemoryError(result.text)
-        found.append(result)
-    return found
+        ordered.append(result)
+    return ordered
 
 
 def _give_back_freed_memory() -> None:

@@ -20,8 +20,8 @@ def find_program(name: str) -> str | None:
             continue
         import shutil
 
-        if found := shutil.which(str(program)):  # with the suffixes of programs
-            return found
+        if path := shutil.which(str(program)):  # with the suffixes of programs
+            return path
     return None
 
 

@@ -62,13 +62,13 @@ def counted(work: str, total: int) -> Iterator[Callable[[], None]]:
 
 def counts() -> tuple[Count, ...]:
     """The work in progress in the processes of this run, the latest first."""
-    found = []
+    counted = []
     for path in run_folder().glob(f"{_PREFIX}-*"):
         with suppress(OSError):  # it ends meanwhile
             _, _, start, total, work = path.name.split("-", 4)
             done, seconds = path.stat().st_size, time.time() - float(start)
-            found.append((float(start), Count(work, done, int(total), max(seconds, 0.0))))
-    return tuple(count for _, count in sorted(found, key=lambda one: -one[0]))
+            counted.append((float(start), Count(work, done, int(total), max(seconds, 0.0))))
+    return tuple(count for _, count in sorted(counted, key=lambda one: -one[0]))
 
 
 def _append(file: int) -> None:

@@ -84,7 +84,7 @@ class LibraryRobot(Struct, frozen=True):
                 text = "".join(f"{_SCHEMA_LINE}{SCHEMA}\n" if line.startswith(_SCHEMA_LINE) else line for line in lines)
                 waiting += [path.parent / name for name in _NAMED.findall(text)]
                 content = _NAMED.sub(
-                    lambda found: found[0].replace(found[1], found[1].rpartition("/")[2]), text
+                    lambda robot: robot[0].replace(robot[1], robot[1].rpartition("/")[2]), text
                 ).encode()
             files[path.name] = content
         return {
@@ -104,8 +104,8 @@ class LibraryRobot(Struct, frozen=True):
 
     def facts(self) -> str:
         """Links, degrees of freedom, loops and mass, in a few words; empty if its page does not have them yet."""
-        found = _FACTS.search(self._text())
-        return found[1] if found else ""
+        match = _FACTS.search(self._text())
+        return match[1] if match else ""
 
     def table(self, title: str) -> list[list[str]]:
         """Rows of the table in a section of its page, the column titles first."""
@@ -130,9 +130,9 @@ def schema_file() -> Path:
 def library_robots() -> tuple[LibraryRobot, ...]:
     """All robots of the library, by name; none if the installation does not include them."""
     for place in _PLACES:
-        found = sorted(place.glob(f"*/*{_SIDECAR}"))
-        if found:
-            return tuple(LibraryRobot(path.parent, path) for path in found)
+        sidecars = sorted(place.glob(f"*/*{_SIDECAR}"))
+        if sidecars:
+            return tuple(LibraryRobot(path.parent, path) for path in sidecars)
     return ()
 
 
@@ -143,10 +143,10 @@ def library_robot(name: str) -> LibraryRobot:
         KeyError: There is none, or several have this name without their makers'.
     """
     robots = library_robots()
-    found = [robot for robot in robots if robot.name == name] or [r for r in robots if r.short_name == name]
-    if len(found) != 1:
+    matching = [robot for robot in robots if robot.name == name] or [r for r in robots if r.short_name == name]
+    if len(matching) != 1:
         raise KeyError(name)
-    return found[0]
+    return matching[0]
 
 
 def library_sidecar(file: str) -> Path | None:

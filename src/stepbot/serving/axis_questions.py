@@ -59,11 +59,11 @@ class Contacts:
                 if self._search is None or shown is not self._shown:
                     self._close()
                     self._shown, self._search = shown, ContactSearch(shown.robot, self._memory_limit)
-                found = self._search.at({name: float(q[name]) for name in names}, _TIMEOUT)
+                answer = self._search.at({name: float(q[name]) for name in names}, _TIMEOUT)
             except (WorkerDied, RemoteError) as error:
                 self._close()
                 return {"pairs": None, "why": f"python-fcl ended: {error}"}
-        return {"pairs": [asdict(one) for one in found]}
+        return {"pairs": [asdict(one) for one in answer]}
 
     def close(self) -> None:
         """End the process, for good."""
@@ -92,8 +92,8 @@ def axes_between(shown: Shown | None, question: Json) -> Json:
         raise Refused("no such part")
     path = assembly.components[a].path
     link = next((parts for parts in _links(shown).values() if path in parts), [])
-    found = shared_lines(assembly, a, b, [indices[one] for one in link])
-    return {"lines": [asdict(one) for one in found]}
+    axes = shared_lines(assembly, a, b, [indices[one] for one in link])
+    return {"lines": [asdict(one) for one in axes]}
 
 
 def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json:
@@ -123,16 +123,16 @@ def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json
         indices, links = {one.path: one.index for one in assembly.components}, _links(shown)
         a, b = ([indices[path] for path in links.get(link, [])] for link in ends)
     selected = Selector(origin.radius, origin.near)
-    found = lines_of_origin(
+    axes = lines_of_origin(
         assembly, a, b, selected, direction_only=kind is JointKind.PRISMATIC, all_explicit=is_doubted
     )
-    return {"lines": [asdict(one) for one in found]}
+    return {"lines": [asdict(one) for one in axes]}
 
 
 def _below(assembly: Assembly, pattern: str) -> Sequence[int]:
     """A component and all below it; nothing for a pattern without a component of its own."""
-    found = ComponentPaths(assembly.components).find_one(pattern).topmost
-    return list(assembly.subtree(found[0])) if len(found) == 1 else []
+    component = ComponentPaths(assembly.components).find_one(pattern).topmost
+    return list(assembly.subtree(component[0])) if len(component) == 1 else []
 
 
 def _links(shown: Shown) -> dict[str, list[str]]:

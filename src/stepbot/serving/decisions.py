@@ -189,10 +189,10 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
     another mark of the draft, ``todo`` for a placeholder, ``fused`` for parts that look movable, ``motor`` for
     actuators in comments of the draft, ``finding`` for a diagnostic.
     """
-    found = [*_questions(sidecar), *_axes(scene)]
-    about = {tuple(keys) for one in found for keys in one["keys"]}
-    found += _marks(sidecar, about)
-    about |= {tuple(keys) for one in found for keys in one["keys"]}
+    open_questions = [*_questions(sidecar), *_axes(scene)]
+    about = {tuple(keys) for one in open_questions for keys in one["keys"]}
+    open_questions += _marks(sidecar, about)
+    about |= {tuple(keys) for one in open_questions for keys in one["keys"]}
     todo = [keys for keys, one in scalars(sidecar.root) if one.value == "todo"]
     kinds = {name: joint.type.value for name, joint in sidecar.document.joints.items()}
     places: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
@@ -200,8 +200,8 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
         if keys[:1] not in about:
             is_joint = keys[0] == "joints" and len(keys) == 3
             places[(kinds.get(str(keys[1])), keys[2]) if is_joint else keys].append(keys)
-    found += [_decision("todo", equal, str(equal[0][-1])) for equal in places.values()]
-    found += [*_fused(sidecar), *_motors(sidecar)]
+    open_questions += [_decision("todo", equal, str(equal[0][-1])) for equal in places.values()]
+    open_questions += [*_fused(sidecar), *_motors(sidecar)]
     listed = about | {keys[:2] for keys in todo}
     alike: dict[tuple[Any, ...], Json] = {}
     for one in scene.get("diagnostics", ()):
@@ -214,11 +214,11 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
         made = _decision("finding", here, one["message"], one, 0 if is_error else _LATER)
         first = alike.setdefault((one["code"], bool(keys), tuple(one["help"]), len(alike) if is_error else 0), made)
         if first is made:
-            found.append(made)
+            open_questions.append(made)
         else:
             first["text"] += f"\n{one['message']}"
             first["keys"] += [list(keys)] if keys and list(keys) not in first["keys"] else []
-    return sorted(found, key=lambda one: (one["rank"], one["kind"] == "todo", -len(one["keys"])))
+    return sorted(open_questions, key=lambda one: (one["rank"], one["kind"] == "todo", -len(one["keys"])))
 
 
 def _questions(sidecar: Sidecar) -> Iterator[Json]:
@@ -301,8 +301,8 @@ def _places(root: Tree) -> Iterator[tuple[Keys, int, int]]:
 
 def _keys_at(sidecar: Sidecar, line: int) -> Keys:
     """The element on a line: an entry of a section of elements, else the section; empty for none."""
-    found: Keys = ()
+    innermost: Keys = ()
     for keys, first, last in _places(sidecar.root):
         if first <= line <= last and (len(keys) == 1 or keys[0] in SECTIONS):
-            found = keys
-    return found
+            innermost = keys
+    return innermost

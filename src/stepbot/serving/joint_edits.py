@@ -150,8 +150,8 @@ def _joint(sidecar: Sidecar, question: Json) -> str:
 
 def _written(sidecar: Sidecar, section: str, name: str) -> Json:
     """The values of a joint or closure as the file has them."""
-    found: Json = plain_data(sidecar.root)[section][name]
-    return found
+    joint: Json = plain_data(sidecar.root)[section][name]
+    return joint
 
 
 def _is_own(sidecar: Sidecar, joint: str, limit: str) -> bool:

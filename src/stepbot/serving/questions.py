@@ -45,10 +45,10 @@ def one_line(written: str) -> Any:
 
 def paths(question: Json) -> list[str]:
     """The different paths at ``paths``, at least one."""
-    found = names_of(question, "paths")
-    if not found:
+    names = names_of(question, "paths")
+    if not names:
         raise Refused("pick a part first")
-    return found
+    return names
 
 
 def names_of(question: Json, key: str) -> list[str]:
@@ -78,15 +78,15 @@ def origin(value: object) -> Json:
 
 def selectors(value: Json) -> Json:
     """``radius`` [m] and ``near`` (3,) [m], with units, if they are given."""
-    found: Json = {}
+    chosen: Json = {}
     if value.get("radius") is not None:
-        found["radius"] = _millimetres(_finite(value["radius"]))
+        chosen["radius"] = _millimetres(_finite(value["radius"]))
     near = value.get("near")
     if near is not None:
         if not isinstance(near, list) or len(near) != 3:
             raise Refused("a point has three coordinates")
-        found["near"] = [_millimetres(_finite(x)) for x in near]
-    return found
+        chosen["near"] = [_millimetres(_finite(x)) for x in near]
+    return chosen
 
 
 def axis(direction: Sequence[float]) -> str | list[float]:

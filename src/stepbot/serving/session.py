@@ -146,10 +146,10 @@ class Session:
     def _written(self, editor: Editor) -> Json:
         shown = self._shown
         view = editor.sidecar()
-        found = written(view, {} if shown is None or shown.scene is None else shown.scene)
+        document = written(view, {} if shown is None or shown.scene is None else shown.scene)
         modules = () if shown is None or shown.robot is None else shown.robot.modules
         places = [{"name": one.name, "links": one.links, "edit": module_command(view.sidecar, one)} for one in modules]
-        return {**found, "modules": places}
+        return {**document, "modules": places}
 
     def prove(self, run: Produce = produce) -> Conversion | None:
         """Convert the sidecar that is shown, verify the files, and show the result.
@@ -189,9 +189,9 @@ class Session:
         return {"folder": resolved(folder).as_posix(), "files": files, "written": is_written}
 
     def _send_proof(self, conversion: Conversion) -> None:
-        found: Diagnostics = conversion.diagnostics
+        diagnostics: Diagnostics = conversion.diagnostics
         proof = None if conversion.report is None else proof_document(conversion.report)
-        self.server.send("proof", {"proof": proof, "diagnostics": _documents(found), "proving": False})
+        self.server.send("proof", {"proof": proof, "diagnostics": _documents(diagnostics), "proving": False})
 
     def close(self) -> None:
         """End the server."""
@@ -213,10 +213,10 @@ class Session:
         triangle = _triangle(question.get("triangle"))
         if index is None or assembly.components[index].body < 0 or triangle is None:
             raise Refused("no such face")
-        found = clicked_face(assembly, index, triangle)
-        if found is None:
+        clicked = clicked_face(assembly, index, triangle)
+        if clicked is None:
             return {"why": "This face has no axis."}
-        face, origin = found
+        face, origin = clicked
         line = {"component": question["component"], "point": face.point, "direction": face.direction}
         kind = "cone" if face.cone else "bore" if face.bore else "shaft"
         return {"kind": kind, "radius": face.radius, "origin": origin, "line": line}
@@ -227,15 +227,15 @@ def _documents(diagnostics: Diagnostics) -> list[Json]:
 
 
 def _signature(files: Iterable[Path]) -> Signature:
-    found = []
+    signature = []
     for path in files:
         try:
             status = path.stat()
         except OSError:
-            found.append((path, (0, 0, 0)))
+            signature.append((path, (0, 0, 0)))
         else:
-            found.append((path, (status.st_mtime_ns, status.st_size, status.st_ino)))
-    return tuple(sorted(found))
+            signature.append((path, (status.st_mtime_ns, status.st_size, status.st_ino)))
+    return tuple(sorted(signature))
 
 
 def _triangle(value: object) -> list[list[float]] | None:

@@ -152,10 +152,10 @@ def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None]
 
     while not ended.is_set():
         folders = _folders(sessions)
-        for found in changes(
+        for batch in changes(
             *folders, watch_filter=None, debounce=LONGEST, step=QUIET, stop_event=ended, recursive=False
         ):
-            paths = {resolved(Path(path)) for _, path in found}
+            paths = {resolved(Path(path)) for _, path in batch}
             for session in sessions:
                 if paths & {resolved(path) for path in session.files}:
                     changed(session, session.load())

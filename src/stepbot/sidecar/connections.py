@@ -55,7 +55,7 @@ def _joint_above_each_link(sidecar: Sidecar) -> tuple[dict[str, str], list[Diagn
 
 def rings(successor: Mapping[str, str]) -> list[list[str]]:
     """The cycles of a functional graph, each in the order of its successors."""
-    found: list[list[str]] = []
+    cycles: list[list[str]] = []
     done: set[str] = set()
     for start in successor:
         path: list[str] = []
@@ -65,8 +65,8 @@ def rings(successor: Mapping[str, str]) -> list[list[str]]:
             path.append(name)
             name = successor[name]
         if name in path:
-            found.append(path[path.index(name) :])
-    return found
+            cycles.append(path[path.index(name) :])
+    return cycles
 
 
 def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], diagnostics: Diagnostics) -> None:

@@ -35,11 +35,11 @@ def above(lines: Sequence[str], entry: int) -> tuple[int, ...]:
     start = entry
     while start > 0 and lines[start - 1].lstrip(" ").startswith("#"):
         start -= 1
-    found: list[int] = []
+    numbers: list[int] = []
     for at in range(start, entry):
-        if _EVIDENCE.match(lines[at]) or (found and found[-1] == at - 1 and _CONTINUED.match(lines[at])):
-            found.append(at)
-    return tuple(found)
+        if _EVIDENCE.match(lines[at]) or (numbers and numbers[-1] == at - 1 and _CONTINUED.match(lines[at])):
+            numbers.append(at)
+    return tuple(numbers)
 
 
 def below(lines: Sequence[str], after: int, name: str) -> int:
@@ -69,7 +69,7 @@ def reviews(text: str) -> Iterator[tuple[int, str]]:
     lines, last = text.split("\n"), ""
     for index, line in enumerate(lines):
         if line.strip() and not line.lstrip(" ").startswith("#"):
-            beside = [last := found[1] or last for found in _BESIDE.finditer(line)]
+            beside = [last := match[1] or last for match in _BESIDE.finditer(line)]
             words = [*_texts([lines[at] for at in above(lines, index)], _REVIEW), *beside]
             if any(words):
                 yield index + 1, "; ".join(words)
@@ -89,15 +89,15 @@ class DraftedActuator(Struct, frozen=True):
 
 def drafted_actuators(text: str) -> tuple[DraftedActuator, ...]:
     """The actuators in comments; what the draft states once of equal motors holds for each."""
-    found: list[DraftedActuator] = []
+    actuators: list[DraftedActuator] = []
     reviews: dict[str, str] = {}
     for entry in filter(None, map(_ACTUATOR.fullmatch, text.split("\n"))):
         name, joint, model = (_unquoted(entry[at]) for at in (1, 3, 4))
         review = reviews.setdefault(model, entry[5] or "")
         listed = review.partition("; one of ")[2]
         models = tuple(listed.split(", ")) if listed else (model,) if model else ()
-        found.append(DraftedActuator(name, joint, entry[2], models, review))
-    return tuple(found)
+        actuators.append(DraftedActuator(name, joint, entry[2], models, review))
+    return tuple(actuators)
 
 
 class DraftedQuestion(Struct, frozen=True):
@@ -113,19 +113,19 @@ class DraftedQuestion(Struct, frozen=True):
 
 def drafted_questions(text: str) -> tuple[DraftedQuestion, ...]:
     """The questions in comments: those of `init --interactive` that have no answer yet."""
-    found: list[DraftedQuestion] = []
+    questions: list[DraftedQuestion] = []
     words: list[str] = []
     for line in text.split("\n"):
         if (entry := _QUESTION.fullmatch(line)) and words:
             others = tuple(entry[3].split(", "))
             name, drafted = (_scalar(one) for one in (entry[1], entry[2]))
-            found.append(DraftedQuestion(name, " ".join(words), drafted, others))
+            questions.append(DraftedQuestion(name, " ".join(words), drafted, others))
             words = []
         elif line.startswith("  # "):
             words = [*(words if line.startswith("  #   ") else ()), line[4:].strip()]
         else:
             words = []
-    return tuple(found)
+    return tuple(questions)
 
 
 def without_questions(lines: Sequence[str]) -> Sequence[str | None]:
@@ -194,13 +194,13 @@ def without_fused(links: Container[str]) -> "Rewrite":
 
 def _fused(lines: Sequence[str]) -> Iterator[tuple[DraftedFused, set[int]]]:
     """Fused parts, and the lines about each: its link, the reason, its joint."""
-    entries = {at: found for at, line in enumerate(lines) if (found := _FREED.fullmatch(line))}
-    values = {at: _mapping(found[2]) for at, found in entries.items()}
-    links = {_scalar(found[1]): at for at, found in entries.items() if set(values[at]) == {"parts"}}
+    entries = {at: match for at, line in enumerate(lines) if (match := _FREED.fullmatch(line))}
+    values = {at: _mapping(match[2]) for at, match in entries.items()}
+    links = {_scalar(match[1]): at for at, match in entries.items() if set(values[at]) == {"parts"}}
     for start, line in enumerate(lines):
-        if not (found := _FUSED.fullmatch(line)):
+        if not (match := _FUSED.fullmatch(line)):
             continue
-        at, held = start + 1, found[1]
+        at, held = start + 1, match[1]
         while at < len(lines) and _CONTINUED.match(lines[at]):
             held += f" {lines[at].lstrip(' #')}"
             at += 1
@@ -214,14 +214,14 @@ def _fused(lines: Sequence[str]) -> Iterator[tuple[DraftedFused, set[int]]]:
 
 def _mapping(text: str) -> dict[str, Any]:
     """A mapping of a comment; an empty one for a text that is none."""
-    found = _loaded(text)
-    return found if isinstance(found, dict) else {}
+    document = _loaded(text)
+    return document if isinstance(document, dict) else {}
 
 
 def _scalar(text: str) -> str:
     """A YAML scalar of a comment; a text that is none as it is."""
-    found = _loaded(text)
-    return text if found is None else str(found)
+    value = _loaded(text)
+    return text if value is None else str(value)
 
 
 def _loaded(text: str) -> Any:
@@ -240,9 +240,9 @@ def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
     """The stops of each joint that still has its score from the draft, in the order of their comments."""
     return {
         name: tuple(
-            DraftedStop(float(found[1]) * _UNITS[found[2]], found[3])
+            DraftedStop(float(match[1]) * _UNITS[match[2]], match[3])
             for stop in _texts(written, _STOP)
-            if (found := _POSITION.match(stop)) and is_number(found[1]) and isfinite(float(found[1]))
+            if (match := _POSITION.match(stop)) and is_number(match[1]) and isfinite(float(match[1]))
         )
         for name, written in _drafted(text)
     }
@@ -267,8 +267,8 @@ def mirrored_stops(lines: Sequence[str]) -> Sequence[str | None]:
     return [re.sub(r"^( *# stop found by collision at )(-?)(\S)", _mirrored, line) for line in lines]
 
 
-def _mirrored(found: re.Match[str]) -> str:
-    return f"{found[1]}{'' if found[2] else '-'}{found[3]}"
+def _mirrored(match: re.Match[str]) -> str:
+    return f"{match[1]}{'' if match[2] else '-'}{match[3]}"
 
 
 def _without(lines: Sequence[str], kind: re.Pattern[str]) -> Sequence[str | None]:
@@ -297,8 +297,8 @@ def _texts(lines: Sequence[str], kind: re.Pattern[str]) -> list[str]:
     texts: list[str] = []
     is_open = False
     for line in lines:
-        if found := kind.match(line):
-            texts.append(found[1])
+        if match := kind.match(line):
+            texts.append(match[1])
             is_open = True
         elif is_open := is_open and _CONTINUED.match(line) is not None:
             texts[-1] += f" {line.lstrip(' #')}"

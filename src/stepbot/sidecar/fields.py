@@ -29,14 +29,14 @@ def sections_at(loc: Loc) -> tuple[type[Section], ...]:
 
 def section_classes() -> tuple[type[Section], ...]:
     """Every type of section in the document, the document first."""
-    found: dict[type[Section], None] = {Document: None}
+    classes: dict[type[Section], None] = {Document: None}
     waiting: list[type[Section]] = [Document]
     while waiting:
         for field in waiting.pop().model_fields.values():
-            new = [section for section in _sections(field.annotation, of_values=True) if section not in found]
-            found.update(dict.fromkeys(new))
+            new = [section for section in _sections(field.annotation, of_values=True) if section not in classes]
+            classes.update(dict.fromkeys(new))
             waiting += new
-    return tuple(found)
+    return tuple(classes)
 
 
 def keys_of(sections: tuple[type[Section], ...]) -> tuple[str, ...]:
@@ -59,40 +59,40 @@ def is_origin(sections: tuple[type[Section], ...]) -> bool:
 
 def keys_below(sections: tuple[type[Section], ...], key: str) -> tuple[str, ...]:
     """The keys of these sections whose own sections have ``key``."""
-    found = {
+    names = {
         name: None
         for section in sections
         for name, field in section.model_fields.items()
         if any(key in inner.model_fields for inner in _sections(field.annotation))
     }
-    return tuple(found)
+    return tuple(names)
 
 
 @cache
 def top_level_keys_with(key: str) -> tuple[str, ...]:
     """The top-level keys that have ``key`` in their own section, or in the section of each of their names."""
-    found = []
+    keys = []
     for name, field in Document.model_fields.items():
         annotation = field.annotation
         if get_origin(annotation) is dict:
             annotation = get_args(annotation)[1]
         if any(key in section.model_fields for section in _sections(annotation)):
-            found.append(name)
-    return tuple(found)
+            keys.append(name)
+    return tuple(keys)
 
 
 @cache
 def descriptions(section: type[Section]) -> dict[str, str]:
     """Descriptions of a section's keys: the docstrings below its fields, and below those of the section it extends."""
     inherited = (base for base in section.__bases__ if issubclass(base, Section) and base is not Section)
-    found = {name: text for base in inherited for name, text in descriptions(base).items()}
+    texts = {name: text for base in inherited for name, text in descriptions(base).items()}
     classes = ast.parse(inspect.getsource(sys.modules[section.__module__])).body
     body = next(c.body for c in classes if isinstance(c, ast.ClassDef) and c.name == section.__name__)
     for field, text in pairwise(body):
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
             assert isinstance(text.value, ast.Constant)
-            found[key_of(field.target.id)] = inspect.cleandoc(str(text.value.value))
-    return found
+            texts[key_of(field.target.id)] = inspect.cleandoc(str(text.value.value))
+    return texts
 
 
 def _step(annotation: Any, part: str | int) -> Any:

@@ -65,7 +65,7 @@ def with_motors(sidecar: Sidecar, diagnostics: Diagnostics) -> Sidecar:
                 help = [f"`set: {values}` of module '{module}'"]
             diagnostics.add("SB148", message, sidecar.span("actuators", name, "motor"), help=help)
             continue
-        one = _found(sidecar, name, actuator, is_known=own is not None, diagnostics=diagnostics)
+        one = _motor_of(sidecar, name, actuator, is_known=own is not None, diagnostics=diagnostics)
         motor = _fitted(sidecar, name, actuator, one, kind, diagnostics) if one is not None else None
         if one is None or motor is None:
             continue
@@ -135,7 +135,7 @@ def _check_sources(root: Tree, own: Mapping[str, MotorSection], diagnostics: Dia
             diagnostics.add("SB121", message, key_span(root, ("motors", name, without[0].partition("[")[0])), help=help)
 
 
-def _found(
+def _motor_of(
     sidecar: Sidecar, name: str, actuator: ActuatorSection, *, is_known: bool, diagnostics: Diagnostics
 ) -> Found | None:
     """The motor of an actuator; None if there is none, which is reported, if the user's own are known."""

@@ -160,16 +160,16 @@ def _remedies(kind: JointKind, stops: Iterable[DraftedStop]) -> list[str]:
     """Limits to write: the stops that `init` found in either direction, else an example."""
     slides = kind is JointKind.PRISMATIC
     positions = [stop.position for stop in stops]
-    found = {
+    bounds = {
         "lower": max((q for q in positions if q < 0.0), default=None),
         "upper": min((q for q in positions if q > 0.0), default=None),
     }
     values = [
-        example if (q := found[key]) is None else f"{q * 1e3:.6g} mm" if slides else f"{degrees(q):.6g} deg"
-        for key, example in zip(found, _example(kind), strict=True)
+        example if (q := bounds[key]) is None else f"{q * 1e3:.6g} mm" if slides else f"{degrees(q):.6g} deg"
+        for key, example in zip(bounds, _example(kind), strict=True)
     ]
     remedies = [f"limits: {{lower: {values[0]}, upper: {values[1]}}}"]
-    known = [key for key, q in found.items() if q is not None]
+    known = [key for key, q in bounds.items() if q is not None]
     if known:
         words = f"{' and '.join(known)} {'are stops' if len(known) > 1 else 'is a stop'}"
         remedies.append(f"{words} that `init` found by collision; a limit may be closer")
@@ -204,19 +204,19 @@ def check_mimics(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
 
 def _ranges(document: Document, leaders: Mapping[str, str]) -> dict[str, tuple[float, float]]:
     """Positions [rad or m] of each joint that is mimicked: within its limits, and as far as its own mimic moves it."""
-    found: dict[str, tuple[float, float]] = {}
+    ranges: dict[str, tuple[float, float]] = {}
     for at in leaders.values():
         chain: dict[str, None] = {}
-        while at in document.joints and at not in found and at not in chain:
+        while at in document.joints and at not in ranges and at not in chain:
             chain[at], at = None, leaders.get(at, "")
         for name in reversed(chain):
             limits, mimic = joint_limits(document, name), document.joints[name].mimic
             low, high = limits.lower, limits.upper
-            if mimic is not None and mimic.multiplier and mimic.joint in found:
-                ends = [mimic.multiplier * q + mimic.offset.value for q in found[mimic.joint]]
+            if mimic is not None and mimic.multiplier and mimic.joint in ranges:
+                ends = [mimic.multiplier * q + mimic.offset.value for q in ranges[mimic.joint]]
                 low, high = max(low, min(ends)), min(high, max(ends))
-            found[name] = low, high
-    return found
+            ranges[name] = low, high
+    return ranges
 
 
 def _check_positions(sidecar: Sidecar, name: str, leading: tuple[float, float], diagnostics: Diagnostics) -> None:

@@ -85,12 +85,12 @@ def joint_settings(document: Document, name: str) -> dict[str, Setting]:
         KeyError: There is no such joint.
     """
     joint = document.joints[name]
-    found: dict[str, Setting] = {}
-    _take(found, joint, ("joints", name), None)
+    settings: dict[str, Setting] = {}
+    _take(settings, joint, ("joints", name), None)
     for pattern, defaults in document.joint_defaults.items():
         if fnmatchcase(name, pattern):
-            _take(found, defaults, ("joint_defaults", pattern), settings_of(joint.type))
-    return found
+            _take(settings, defaults, ("joint_defaults", pattern), settings_of(joint.type))
+    return settings
 
 
 def joint_limits(document: Document, name: str) -> Limit:
@@ -109,16 +109,16 @@ def _numbers(document: Document, name: str, section: type[LimitsSection | Dynami
 
 
 def _take(
-    found: dict[str, Setting],
+    settings: dict[str, Setting],
     source: JointSection | JointDefaults,
     keys: Keys,
     known: Mapping[str, units.Dimension] | None,
 ) -> None:
-    """Add values of ``source`` that ``found`` lacks; only fields in ``known``, if given."""
+    """Add values of ``source`` that ``settings`` lacks; only fields in ``known``, if given."""
     for key, section in (("limits", source.limits), ("dynamics", source.dynamics)):
         if section == "todo":
             continue
         for field in type(section).model_fields:
             value: JointValue | None = getattr(section, field)
-            if value is not None and field not in found and (known is None or field in known):
-                found[field] = Setting(value.value, value.dimension, (*keys, key, field))
+            if value is not None and field not in settings and (known is None or field in known):
+                settings[field] = Setting(value.value, value.dimension, (*keys, key, field))

@@ -29,7 +29,7 @@ from .tree import Keys, Mapping, Scalar, Tree, child, key_span, plain_data, subj
 def load_sidecar(
     path: Path, diagnostics: Diagnostics, variant: str = "", module: Tree | None = None, motors: OwnMotors = NO_MOTORS
 ) -> Sidecar | None:
-    """Read a sidecar; None if it has errors, which are all added to ``found``.
+    """Read a sidecar; None if it has errors, which are all added to ``diagnostics``.
 
     Reports SB001 and SB1xx; where possible also the errors of
     :func:`stepbot.sidecar.check.check_sidecar`.
@@ -70,7 +70,7 @@ def _parsed(
     try:
         composed, faults_of_text = _composed(text, file)
     except TooManyFaultsError:
-        compose_around_faults(text, file, diagnostics)  # ends in the same way, with the faults in `found`
+        compose_around_faults(text, file, diagnostics)  # ends in the same way, with the faults in `diagnostics`
         raise
     diagnostics.extend(faults_of_text)
     root = composed.tree

@@ -119,8 +119,8 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
             joined = {word.replace("-", ""): word for word in (*families, *names)}
             wanted = joined.get(wanted.replace("-", ""), wanted)
         if wanted in names:
-            found = names[wanted]
-            return Found(found, own[found] if names is of_own[0] else catalogue_motor(found))
+            motor = names[wanted]
+            return Found(motor, own[motor] if names is of_own[0] else catalogue_motor(motor))
         if wanted in families:
             raise AmbiguousMotor(name, families[wanted])
         known |= {word: (one,) for word, one in names.items()} | families
@@ -157,10 +157,10 @@ def motors_named_in(text: str) -> tuple[str, ...]:
     """
     names, families = _names_of_catalogue()
     padded = f"-{re.sub(r'[^0-9a-z+.]+', '-', text.casefold())}-"
-    found: list[tuple[int, tuple[str, ...]]] = []
-    found += [(len(word), (name,)) for word, name in names.items() if f"-{word}-" in padded]
-    found += [(len(word), members) for word, members in families.items() if f"-{word}-" in padded]
-    return max(found, key=lambda one: one[0], default=(0, ()))[1]
+    matches: list[tuple[int, tuple[str, ...]]] = []
+    matches += [(len(word), (name,)) for word, name in names.items() if f"-{word}-" in padded]
+    matches += [(len(word), members) for word, members in families.items() if f"-{word}-" in padded]
+    return max(matches, key=lambda one: one[0], default=(0, ()))[1]
 
 
 _SUPPLIES = (0.4, 1.6)
@@ -173,7 +173,7 @@ def default_kind(motor: MotorSection, joint: JointKind) -> ActuatorKind:
     return ActuatorKind.VELOCITY if turns and motor.kind is not MotorKind.STEPPER else ActuatorKind.POSITION
 
 
-def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
+def fitted(motor_and_ratings: Found, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
     """What a motor gives an actuator.
 
     Args:
@@ -184,7 +184,7 @@ def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, p
     Raises:
         UnscalableMotor: It has no figures for this supply, or does not move such a joint.
     """
-    name, motor = found
+    name, motor = motor_and_ratings
     linear, slides = motor.kind is MotorKind.LINEAR, joint is JointKind.PRISMATIC
     if linear and not slides:
         raise UnscalableMotor(f"'{name}' is a linear drive, and the joint turns")

@@ -126,17 +126,17 @@ def code_page(name: str) -> str:
     """
     possible = f"examples: {', '.join(_COMMON)}"
     try:
-        found = codecs.lookup(name.strip())
+        codec = codecs.lookup(name.strip())
     except (LookupError, ValueError):  # ValueError: a name with a null character
         near = did_you_mean(name.strip().lower(), [*_COMMON, *aliases.values(), *aliases])
         raise UnknownCodePage(f"unknown code page '{name}'", *near, possible) from None
     try:
-        is_superset = _ASCII.decode(found.name) == _ASCII.decode("ascii")
+        is_superset = _ASCII.decode(codec.name) == _ASCII.decode("ascii")
     except (LookupError, ValueError):  # LookupError: not a text encoding, such as base64
         is_superset = False
     if not is_superset:
         raise UnknownCodePage(f"code page '{name}' is not ASCII-compatible, but STEP files are", possible)
-    return "utf-8" if found.name == "utf-8-sig" else found.name
+    return "utf-8" if codec.name == "utf-8-sig" else codec.name
 
 
 MOST_FAULTS = 100

@@ -235,18 +235,18 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
     @cached_property
     def occurrences(self) -> dict[int, tuple[int, ...]]:
         """For each body the indices of its components, in file order."""
-        found: dict[int, list[int]] = {}
+        instances: dict[int, list[int]] = {}
         for component in self.components:
             if component.body >= 0:
-                found.setdefault(component.body, []).append(component.index)
-        return {body: tuple(indices) for body, indices in found.items()}
+                instances.setdefault(component.body, []).append(component.index)
+        return {body: tuple(indices) for body, indices in instances.items()}
 
     def subtree(self, index: int) -> tuple[int, ...]:
         """The component and everything below it, depth first."""
-        found = [index]
+        members = [index]
         for child in self.children[index]:
-            found += self.subtree(child)
-        return tuple(found)
+            members += self.subtree(child)
+        return tuple(members)
 
     @cached_property
     def fineness(self) -> float:

@@ -121,7 +121,7 @@ class Content(Struct, frozen=True, eq=False):
 
 
 def read_content(files: tuple[StepFile, ...], diagnostics: Diagnostics) -> Content | None:
-    """Everything but the bodies; None, with the reason in ``found``, after an error.
+    """Everything but the bodies; None, with the reason in ``diagnostics``, after an error.
 
     Args:
         files: The file of the assembly first; others are read if a product needs them.
@@ -174,7 +174,7 @@ def _read_all(files: tuple[StepFile, ...], diagnostics: Diagnostics) -> dict[int
 
 
 def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...], diagnostics: Diagnostics) -> bool:
-    """Whether a file needs itself, directly or indirectly; such a cycle is reported in ``found``."""
+    """Whether a file needs itself, directly or indirectly; such a cycle is reported in ``diagnostics``."""
     done: set[int] = set()
     path: list[int] = []
     pending: list[tuple[int, bool]] = [(0, False)]

@@ -116,15 +116,15 @@ KERNEL_ERRORS: tuple[type[Exception], ...] = (
 
 def evaluated(evaluate: Callable[[Any], T], shapes: Iterable[Any], errors: list[str]) -> list[T]:
     """A function's results for the shapes that it does not fail on; ``errors`` receives its errors on the others."""
-    found = []
+    values = []
     for shape in shapes:
         try:
-            found.append(evaluate(shape))
+            values.append(evaluate(shape))
         except OUT_OF_MEMORY:
             raise
         except Exception as error:  # noqa: BLE001 - whatever it is, it costs this shape's result alone
             errors.append(f"{type(error).__name__} {error}".rstrip())
-    return found
+    return values
 
 
 def explored(shape: Any, kind: TopAbs_ShapeEnum) -> Iterator[Any]:
@@ -137,15 +137,15 @@ def explored(shape: Any, kind: TopAbs_ShapeEnum) -> Iterator[Any]:
 
 def mapped(shape: Any, kind: TopAbs_ShapeEnum) -> ShapeMap:
     """The shapes of a kind in a shape, each once, in file order, numbered from 1."""
-    found = ShapeMap()
-    TopExp.MapShapes_s(shape, kind, found)
-    return found
+    shapes = ShapeMap()
+    TopExp.MapShapes_s(shape, kind, shapes)
+    return shapes
 
 
 def faces_of(shape: Any) -> list[Any]:
     """The faces of a shape, each once, in file order, with their orientation in it."""
-    found = mapped(shape, TopAbs_ShapeEnum.TopAbs_FACE)
-    return [TopoDS.Face(found.FindKey(index)) for index in range(1, found.Extent() + 1)]
+    faces = mapped(shape, TopAbs_ShapeEnum.TopAbs_FACE)
+    return [TopoDS.Face(faces.FindKey(index)) for index in range(1, faces.Extent() + 1)]
 
 
 def mean_of_vertices(shape: Any) -> Array | None:

@@ -43,7 +43,7 @@ class FileContent(Struct, frozen=True, eq=False):
 
 
 def guarded(place: str, diagnostics: Diagnostics, read: Callable[[], T | None]) -> T | None:
-    """The result of a function that reads; None, with SB205 in ``found``, if the kernel fails on the file."""
+    """The result of a function that reads; None, with SB205 in ``diagnostics``, if the kernel fails on the file."""
     remedy = ["open it in another CAD program and export it again"]
     try:
         return read()
@@ -72,7 +72,7 @@ def optional(what: str, place: str, diagnostics: Diagnostics, read: Callable[[],
 
 
 def read_file(file: StepFile, diagnostics: Diagnostics) -> FileContent | None:
-    """Read a file; None, with the reason in ``found``, after an error."""
+    """Read a file; None, with the reason in ``diagnostics``, after an error."""
 
     def read() -> FileContent | None:
         try:
@@ -134,7 +134,7 @@ def _elsewhere(
 ) -> dict[int, int] | None:
     """For each definition without own shape the index of the file with its shape.
 
-    A missing file is an error in ``found``; its definition has no shape and is marked. None if a missing file
+    A missing file is an error in ``diagnostics``; its definition has no shape and is marked. None if a missing file
     belongs to no definition.
     """
     product_of = {id(product.entity): index for index, product in enumerate(products.products)}

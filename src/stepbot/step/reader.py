@@ -144,7 +144,7 @@ def start_reading(
 
 
 def read_assembly(path: Path, options: ReadOptions, diagnostics: Diagnostics) -> Assembly | None:
-    """Read a STEP file; None where nothing can be read. Errors in ``found``: the assembly is incomplete."""
+    """Read a STEP file; None where nothing can be read. Errors in ``diagnostics``: the assembly is incomplete."""
     return start_reading(path, options).finish(diagnostics)
 
 

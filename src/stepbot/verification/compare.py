@@ -48,13 +48,13 @@ def compare_gravity_settings(deviations: Deviations, reference: Observation, obs
         deviations.near(b.gravity_compensation, a.gravity_compensation, where, "of its weight")
 
 
-def _compare_acceleration(deviations: Deviations, expected: tuple[float, ...], found: tuple[float, ...]) -> None:
-    if expected and found:
-        where = f"acceleration of gravity {_text(found)} instead of {_text(expected)}"
-        deviations.off(dist(expected, found), where, "m/s^2")
+def _compare_acceleration(deviations: Deviations, expected: tuple[float, ...], observed: tuple[float, ...]) -> None:
+    if expected and observed:
+        where = f"acceleration of gravity {_text(observed)} instead of {_text(expected)}"
+        deviations.off(dist(expected, observed), where, "m/s^2")
         return
-    for given in filter(None, (expected, found)):
-        there = "here" if given is found else "in the file that it is compared with"
+    for given in filter(None, (expected, observed)):
+        there = "here" if given is observed else "in the file that it is compared with"
         words = f"acceleration of gravity {_text(given)} {there}; the other file leaves it to the simulator: Earth's"
         deviations.equal(_is_earths(given), f"{words} is expected, {EARTH[0]:g} to {EARTH[1]:g} m/s^2 downwards")
 
@@ -151,9 +151,9 @@ def _moving_pairs(reference: Observation, observed: Observation) -> list[tuple[O
 
 def _compare_axes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     for a, b in _moving_pairs(reference, observed):
-        for words, expected, found in (("axis", a.axis, b.axis), ("second axis", a.axis2, b.axis2)):
-            if expected is not None and found is not None:
-                deviations.off(angle_between(expected, found), f"{words} of joint '{a.name}'", "rad")
+        for words, expected, observed_axis in (("axis", a.axis, b.axis), ("second axis", a.axis2, b.axis2)):
+            if expected is not None and observed_axis is not None:
+                deviations.off(angle_between(expected, observed_axis), f"{words} of joint '{a.name}'", "rad")
         if a.pitch is not None and b.pitch is not None:
             deviations.near(b.pitch, a.pitch, f"pitch of joint '{a.name}'", "m/rad")
 
@@ -164,8 +164,8 @@ def _compare_limits(deviations: Deviations, reference: Observation, observed: Ob
             continue
         for name in a.limit_fields:
             if name in b.limit_fields:
-                expected, found = getattr(a.limit, name), getattr(b.limit, name)
-                deviations.near(found, expected, f"{name} limit of joint '{a.name}'", _unit(a, name))
+                expected, observed_limit = getattr(a.limit, name), getattr(b.limit, name)
+                deviations.near(observed_limit, expected, f"{name} limit of joint '{a.name}'", _unit(a, name))
             else:
                 deviations.unreported.append(name)
 
@@ -200,8 +200,8 @@ def _compare_mimic(deviations: Deviations, reference: Observation, observed: Obs
         leads = a.mimic.joint == b.mimic.joint
         deviations.equal(leads, f"joint '{a.name}': mimics '{b.mimic.joint}'", expected=f"'{a.mimic.joint}'")
         for name in ("multiplier", "offset"):
-            expected, found = getattr(a.mimic, name), getattr(b.mimic, name)
-            deviations.near(found, expected, f"mimic {name} of joint '{a.name}'", "SI")
+            expected, observed_value = getattr(a.mimic, name), getattr(b.mimic, name)
+            deviations.near(observed_value, expected, f"mimic {name} of joint '{a.name}'", "SI")
 
 
 def _compare_mass(deviations: Deviations, reference: Observation, observed: Observation) -> None:
@@ -247,8 +247,8 @@ def _compare_frames(deviations: Deviations, reference: Observation, observed: Ob
         if name not in observed.frames:
             deviations.equal(False, f"frame '{name}' is missing")
             continue
-        found, Y_LF = observed.frames[name]
-        deviations.equal(link == found, f"frame '{name}': on link '{found}'", expected=f"'{link}'")
+        observed_link, Y_LF = observed.frames[name]
+        deviations.equal(link == observed_link, f"frame '{name}': on link '{observed_link}'", expected=f"'{link}'")
         distance, angle = X_LF.distance_to(Y_LF)
         deviations.off(distance, f"frame '{name}'", "m")
         deviations.off(angle, f"frame '{name}'", "rad")

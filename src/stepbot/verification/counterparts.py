@@ -87,10 +87,10 @@ class _Side(Struct, frozen=True, dict=True):
 
     @cached_property
     def _below(self) -> dict[str, list[str]]:
-        found = dict[str, list[str]]()
+        below = dict[str, list[str]]()
         for joint in self.above.values():
-            found.setdefault(joint.parent, []).append(joint.child)
-        return found
+            below.setdefault(joint.parent, []).append(joint.child)
+        return below
 
     def children(self, parent: str) -> list[str]:
         return self._below.get(parent, [])

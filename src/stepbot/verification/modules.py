@@ -184,15 +184,15 @@ def _images(
         names: Coordinates of the module alone by those of the whole.
     """
     here, there = ({joint.name: joint for joint in moving_joints(robot)} for robot in (whole, lowered))
-    found: dict[str, dict[str, float]] = {}
+    images: dict[str, dict[str, float]] = {}
     for step in (there[name] for name in steps if name in there):
         slides, image = step.kind is JointKind.PRISMATIC, np.array(step.axis)
         for normal in normals:
             image = (1.0 if slides else -1.0) * np.array(_NORMALS[normal]) * image
         kin = [here[name] for name, of in names.items() if steps.get(of) is steps[step.name]]
         alike = [one for one in kin if (one.kind is JointKind.PRISMATIC) == slides]
-        found[step.name] = {one.name: exact_sum(image * one.axis) for one in alike}
-    return found
+        images[step.name] = {one.name: exact_sum(image * one.axis) for one in alike}
+    return images
 
 
 def _part(seen: Observation, links: Sequence[str], drives: Mapping[str, str], *, is_moved: bool) -> Observation:

@@ -145,14 +145,14 @@ def compare_closures(deviations: Deviations, reference: Observation, observed: O
         if ours.name not in theirs:
             deviations.equal(False, f"closure '{ours.name}' is missing")
             continue
-        found = theirs[ours.name]
-        if (found.link_a, found.link_b) == (ours.link_b, ours.link_a):
-            found = _turned(found)
-        links = (found.link_a, found.link_b) == (ours.link_a, ours.link_b)
-        deviations.equal(links, f"closure '{ours.name}' holds '{found.link_a}' to '{found.link_b}'")
+        counterpart = theirs[ours.name]
+        if (counterpart.link_a, counterpart.link_b) == (ours.link_b, ours.link_a):
+            counterpart = _turned(counterpart)
+        links = (counterpart.link_a, counterpart.link_b) == (ours.link_a, ours.link_b)
+        deviations.equal(links, f"closure '{ours.name}' holds '{counterpart.link_a}' to '{counterpart.link_b}'")
         engine = engine_named(observed.engine)
         several = engine.several_loops if engine and len(reference.closures) > 1 else None
-        _compare_closure(deviations, ours, found, observed.engine, several or deviations.tolerance, gap)
+        _compare_closure(deviations, ours, counterpart, observed.engine, several or deviations.tolerance, gap)
 
 
 def _turned(closure: ObservedClosure) -> ObservedClosure:
@@ -169,31 +169,36 @@ def _turned(closure: ObservedClosure) -> ObservedClosure:
 
 
 def _compare_closure(
-    deviations: Deviations, ours: ObservedClosure, found: ObservedClosure, engine: str, open_by: Tolerance, gap: float
+    deviations: Deviations,
+    ours: ObservedClosure,
+    observed: ObservedClosure,
+    engine: str,
+    open_by: Tolerance,
+    gap: float,
 ) -> None:
     name = f"closure '{ours.name}'"
-    for side, X, Y in (("a", ours.X_AF, found.X_AF), ("b", ours.X_BF, found.X_BF)):
+    for side, X, Y in (("a", ours.X_AF, observed.X_AF), ("b", ours.X_BF, observed.X_BF)):
         if X is None or Y is None:
             continue
-        deviations.equal(ours.kind == found.kind, f"{name}: {found.kind}", expected=f"{ours.kind}")
+        deviations.equal(ours.kind == observed.kind, f"{name}: {observed.kind}", expected=f"{ours.kind}")
         deviations.off(float(np.linalg.norm(X.p - Y.p)), f"{name}, frame on link {side}", "m")
         deviations.off(_turn(ours, X, Y), f"{name}, frame on link {side}", "rad")
-    if ours.axis is not None and found.axis is not None:
-        deviations.off(float(np.linalg.norm(np.subtract(ours.axis, found.axis))), f"axis of {name}", "rad")
-    _compare_held(deviations, name, ours, found)
+    if ours.axis is not None and observed.axis is not None:
+        deviations.off(float(np.linalg.norm(np.subtract(ours.axis, observed.axis))), f"axis of {name}", "rad")
+    _compare_held(deviations, name, ours, observed)
     # A loop that cannot close exactly has no exact solution, and each solver distributes the gap differently.
     own = ours.residual or 0.0
     reach = max((float(np.linalg.norm(X.p)) for X in (ours.X_AF, ours.X_BF) if X is not None), default=0.0)
-    if found.residual is not None:
-        deviations.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
-    if found.angle_error is not None:
+    if observed.residual is not None:
+        deviations.off(max(observed.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
+    if observed.angle_error is not None:
         simulator = engine_named(engine)
         simulated = simulator.driven_angle if simulator else None
         # A simulation leaves gaps, which are compared above; next to a dead centre, small ones turn joints far.
         angle = deviations.tolerance.absolute if simulated is None else simulated + gap * ours.sensitivity
         allowed = Tolerance(angle, relative=10.0)
         where = f"following joints of {name}"
-        deviations.off(found.angle_error, where, "rad or m", own / (reach or 1.0), tolerance=allowed)
+        deviations.off(observed.angle_error, where, "rad or m", own / (reach or 1.0), tolerance=allowed)
 
 
 def _turn(closure: ObservedClosure, X: Pose, Y: Pose) -> float:
@@ -205,18 +210,18 @@ def _turn(closure: ObservedClosure, X: Pose, Y: Pose) -> float:
     return X.distance_to(Y)[1]
 
 
-def _compare_held(deviations: Deviations, name: str, ours: ObservedClosure, found: ObservedClosure) -> None:
+def _compare_held(deviations: Deviations, name: str, ours: ObservedClosure, observed: ObservedClosure) -> None:
     """The points and the axes of a closure; the sign of an axis has no meaning."""
-    if ours.points is None or found.points is None:
+    if ours.points is None or observed.points is None:
         return
-    for side, expected, seen in zip("ab", ours.points, found.points, strict=True):
+    for side, expected, seen in zip("ab", ours.points, observed.points, strict=True):
         deviations.off(float(np.linalg.norm(np.subtract(seen, expected))), f"{name}, point on link {side}", "m")
     wrong = f"{name} holds " + ("no axis" if ours.axes else "an axis that is not in the robot")
-    deviations.equal((ours.axes is None) == (found.axes is None), wrong)
-    if ours.axes is None or found.axes is None:
+    deviations.equal((ours.axes is None) == (observed.axes is None), wrong)
+    if ours.axes is None or observed.axes is None:
         return
-    lengths = [np.linalg.norm(axes[0]) / np.linalg.norm(axes[1]) for axes in (ours.axes, found.axes)]
+    lengths = [np.linalg.norm(axes[0]) / np.linalg.norm(axes[1]) for axes in (ours.axes, observed.axes)]
     deviations.off(abs(float(lengths[1] - lengths[0])), f"{name}, points on its axis", "of their distance")
-    way = 1.0 if np.dot(ours.axes[0], found.axes[0]) > 0.0 else -1.0
-    for side, axis, other in zip("ab", ours.axes, found.axes, strict=True):
+    way = 1.0 if np.dot(ours.axes[0], observed.axes[0]) > 0.0 else -1.0
+    for side, axis, other in zip("ab", ours.axes, observed.axes, strict=True):
         deviations.off(angle_between(axis, vector3(way * np.array(other))), f"{name}, axis on link {side}", "rad")

@@ -213,8 +213,8 @@ def _with_capsules_of(a: Observation, b: Observation) -> Observation:
         split = {part for name in capsules.values() for part in capsule_parts(name)}
         if shapes is None or not split & set(named):
             return shapes
-        found = _with_whole_capsules(named, wanted)
-        kept = (found[capsules.get(one.name, one.name)] if one.name in capsules else one for one in shapes)
+        by_name = _with_whole_capsules(named, wanted)
+        kept = (by_name[capsules.get(one.name, one.name)] if one.name in capsules else one for one in shapes)
         return tuple(one for one in kept if one.name not in split)
 
     links = (

@@ -103,7 +103,7 @@ def segments(ours: Chain, theirs: Chain, distance: float = _DISTANCE) -> tuple[S
     Raises:
         NotTheSame: They are different joints.
     """
-    found: list[Segment] = []
+    pieces: list[Segment] = []
     a, b = list(ours.steps), list(theirs.steps)
     while a and b:
         if "ball" in (a[0].kind, b[0].kind):
@@ -113,14 +113,14 @@ def segments(ours: Chain, theirs: Chain, distance: float = _DISTANCE) -> tuple[S
             segment = Segment((a[0],), (b[0],))
         else:
             raise NotTheSame(f"'{a[0].names[0]}' and '{b[0].names[0]}' are of different kinds")
-        found.append(segment)
+        pieces.append(segment)
         a, b = a[len(segment.ours) :], b[len(segment.theirs) :]
     for step in (*a, *b):
         raise NotTheSame(f"'{step.joint.name}' has no counterpart")
-    if len(found) == 1 and found[0].balls is not None:
-        (ball,) = found
+    if len(pieces) == 1 and pieces[0].balls is not None:
+        (ball,) = pieces
         return (Segment(ball.ours, ball.theirs, ball.balls, ours.X_PC.R @ theirs.X_PC.R.T),)
-    return tuple(found)
+    return tuple(pieces)
 
 
 def _check_place(a: Step, b: Step, distance: float) -> None:

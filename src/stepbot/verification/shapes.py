@@ -50,9 +50,9 @@ def compare_meshes(deviations: Deviations, reference: Observation, observed: Obs
     for a, b in link_pairs(reference, observed):
         for side in ("visual", "collision"):
             _compare_presence(deviations, a, b, side)
-            expected, found = getattr(a, f"{side}_bounds"), getattr(b, f"{side}_bounds")
-            if expected is not None and found is not None:
-                off = float(np.abs(np.subtract(found, expected)).max())
+            expected, observed_box = getattr(a, f"{side}_bounds"), getattr(b, f"{side}_bounds")
+            if expected is not None and observed_box is not None:
+                off = float(np.abs(np.subtract(observed_box, expected)).max())
                 diagonal = float(np.linalg.norm(np.subtract(expected[1], expected[0])))
                 deviations.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
             elif expected is not None:
@@ -65,12 +65,12 @@ def _compare_boxes(
     side: str,
     link: str,
     expected: Sequence[ObservedShape] | None,
-    found: Sequence[ObservedShape] | None,
+    observed: Sequence[ObservedShape] | None,
 ) -> None:
     """The bounding box of each shape, if both sides have as many; the number is compared with their names."""
-    if expected is None or found is None or len(expected) != len(found):
+    if expected is None or observed is None or len(expected) != len(observed):
         return
-    for number, (a, b) in enumerate(zip(expected, found, strict=True), start=1):
+    for number, (a, b) in enumerate(zip(expected, observed, strict=True), start=1):
         which = f"{side} {_called(a, number)} of link '{link}'"
         for words, ours, theirs in (("box", a.bounds, b.bounds), ("oblique box", a.oblique, b.oblique)):
             if ours is not None and theirs is not None:
@@ -85,31 +85,31 @@ def _called(shape: ObservedShape, number: int) -> str:
 
 def _compare_presence(deviations: Deviations, a: ObservedLink, b: ObservedLink, side: str) -> None:
     """Whether there are visuals, or collisions, must agree even if their extent is not reported."""
-    expected, found = getattr(a, f"has_{side}s"), getattr(b, f"has_{side}s")
-    if expected is not None and found is not None:
+    expected, has_observed = getattr(a, f"has_{side}s"), getattr(b, f"has_{side}s")
+    if expected is not None and has_observed is not None:
         wrong = (
             f"link '{a.name}' has no {side}" if expected else f"link '{a.name}' has a {side} that is not in the robot"
         )
-        deviations.equal(expected == found, wrong)
+        deviations.equal(expected == has_observed, wrong)
 
 
 def compare_shapes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Names and colours of all visuals or collisions, one by one, in the order of the files."""
     for a, b in link_pairs(reference, observed):
         for side in ("visual", "collision"):
-            expected, found = getattr(a, f"{side}s"), getattr(b, f"{side}s")
+            expected, observed_shapes = getattr(a, f"{side}s"), getattr(b, f"{side}s")
             # If has_visuals is not reported, the engine displays something else in place of missing visuals.
-            if expected is None or found is None or (not expected and getattr(b, f"has_{side}s") is None):
+            if expected is None or observed_shapes is None or (not expected and getattr(b, f"has_{side}s") is None):
                 continue
-            _compare_series(deviations, side, a.name, expected, found)
+            _compare_series(deviations, side, a.name, expected, observed_shapes)
 
 
 def _compare_series(
-    deviations: Deviations, side: str, link: str, expected: Sequence[ObservedShape], found: Sequence[ObservedShape]
+    deviations: Deviations, side: str, link: str, expected: Sequence[ObservedShape], observed: Sequence[ObservedShape]
 ) -> None:
-    count = f"{side} shapes of link '{link}': {len(found)}"
-    deviations.equal(len(expected) == len(found), count, expected=str(len(expected)))
-    for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
+    count = f"{side} shapes of link '{link}': {len(observed)}"
+    deviations.equal(len(expected) == len(observed), count, expected=str(len(expected)))
+    for number, (a, b) in enumerate(zip(expected, observed, strict=False), start=1):
         which = f"{side} {_called(a, number)} of link '{link}'"
         if a.name is not None and b.name is not None:
             deviations.equal(plain_name(a.name, link) == plain_name(b.name, link), f"{which}: named '{b.name}'")
@@ -129,10 +129,10 @@ def _compare_surfaces(deviations: Deviations, which: str, ours: ObservedShape, t
     if own is not None and theirs.surface_default is not None:
         a, b, own = a or own, b or theirs.surface_default, None
     for name in SURFACE_FIELDS if a is not None and b is not None else ():
-        expected, found = getattr(a, name), getattr(b, name)
+        expected, observed = getattr(a, name), getattr(b, name)
         is_own = own is not None and expected == getattr(own, name)
-        if expected is not None and found is not None and not is_own:
-            deviations.off(abs(found - expected), f"{name} of {which}", "SI", expected, tolerance=SURFACE)
+        if expected is not None and observed is not None and not is_own:
+            deviations.off(abs(observed - expected), f"{name} of {which}", "SI", expected, tolerance=SURFACE)
 
 
 def _compare_colors(deviations: Deviations, where: str, ours: tuple[float, ...], theirs: tuple[float, ...]) -> None:
@@ -189,8 +189,8 @@ def _compare_devices(
     ours: list[Device] = _named(reference, observed)
     theirs: list[Device] = _named(observed, reference)
     compare_names(deviations, what, ours, theirs)
-    for expected, found in _pairs(ours, theirs):
-        compare(deviations, expected, found)
+    for expected, observed_device in _pairs(ours, theirs):
+        compare(deviations, expected, observed_device)
 
 
 def _pairs(ours: Iterable[Device], theirs: Iterable[Device]) -> Iterator[tuple[Device, Device]]:
@@ -230,12 +230,12 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
         elif name != "gear" and seen is not None:
             deviations.unreported.append(name)
     for name in ("control", "force"):
-        bounds, found = getattr(a, name), getattr(b, name)
-        if bounds is None or found is None:
+        bounds, observed = getattr(a, name), getattr(b, name)
+        if bounds is None or observed is None:
             if bounds is not None and any(map(isfinite, bounds)):
                 deviations.unreported.append(f"{name} range")
             continue
-        ranges = _both_or_none(bounds, _at_joint(a, name)), _both_or_none(found, _at_joint(b, name))
+        ranges = _both_or_none(bounds, _at_joint(a, name)), _both_or_none(observed, _at_joint(b, name))
         for side, wanted, given in zip(("lowest", "highest"), *ranges, strict=True):
             deviations.near(given, wanted, f"{side} {name} of {who}", "SI")
 
@@ -255,16 +255,16 @@ def _compare_sensor(deviations: Deviations, a: ObservedSensor, b: ObservedSensor
     who = f"sensor '{a.name}'"
     deviations.equal(a.kind == b.kind, f"{who}: {b.kind}", expected=f"{a.kind}")
     for name in ("link", "joint"):
-        expected, found = getattr(a, name), getattr(b, name)
-        if expected is not None and found is not None:
-            deviations.equal(expected == found, f"{who}: on {name} '{found}'", expected=f"'{expected}'")
+        expected, observed = getattr(a, name), getattr(b, name)
+        if expected is not None and observed is not None:
+            deviations.equal(expected == observed, f"{who}: on {name} '{observed}'", expected=f"'{expected}'")
     if a.X_LS is not None and b.X_LS is not None:
         distance, angle = a.X_LS.distance_to(b.X_LS)
         deviations.off(distance, f"place of {who}", "m")
         deviations.off(angle, f"place of {who}", "rad")
     for name, unit in _UNITS.items():
-        expected, found = getattr(a, name), getattr(b, name)
-        if expected is not None and found is not None:
-            deviations.near(found, expected, f"{name} of {who}", unit)
+        expected, observed = getattr(a, name), getattr(b, name)
+        if expected is not None and observed is not None:
+            deviations.near(observed, expected, f"{name} of {who}", unit)
         elif expected:
             deviations.unreported.append(name)

@@ -161,9 +161,9 @@ def _compare(deviations: Deviations, a: Statement, b: Statement, *, words: bool 
         if (words and _SAME_WORDS.get(a.value, a.value) != _SAME_WORDS.get(b.value, b.value)) or both:
             deviations.equal(False, f"{a.place}: '{b.value[:80]}'", expected=f"'{a.value[:80]}'")
         return
-    for number, (expected, found) in enumerate(zip(ours, theirs, strict=True), start=1):
+    for number, (expected, observed) in enumerate(zip(ours, theirs, strict=True), start=1):
         which = f"{a.place}, number {number}" if len(ours) > 1 else a.place
-        deviations.near(found, expected, which, "SI")
+        deviations.near(observed, expected, which, "SI")
 
 
 Statements = Mapping[str, Statement]

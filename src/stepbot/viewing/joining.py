@@ -43,10 +43,10 @@ def clicked_face(
     face = min(body.axis_faces, key=lambda one: _distance(one, corners), default=None)
     if face is None or not _distance(face, corners) <= _ON_SURFACE:
         return None
-    found = lines(axis_faces(assembly, [component]))
+    lines_of_component = lines(axis_faces(assembly, [component]))
     placed = face.moved(assembly.components[component].X_WC)
-    index = min(range(len(found)), key=lambda i: _apart(found[i], placed))
-    origin = f"{{axis_of: {quoted(assembly.components[component].path)}{selectors(found)[index]}}}"
+    index = min(range(len(lines_of_component)), key=lambda i: _apart(lines_of_component[i], placed))
+    origin = f"{{axis_of: {quoted(assembly.components[component].path)}{selectors(lines_of_component)[index]}}}"
     return face, origin
 
 
@@ -126,11 +126,11 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
     below = assembly.subtree(b)
     of_a, of_b = axis_faces(assembly, assembly.subtree(a)), axis_faces(assembly, below)
     form: Form = "mate"
-    found = mates(of_a, of_b)
-    if not found:
-        form, found = "auto", mates(axis_faces(assembly, [index for index in link if index not in set(below)]), of_b)
-    if found:
-        return _offered(assembly, a, found, form)[:MOST_LINES]
+    shared = mates(of_a, of_b)
+    if not shared:
+        form, shared = "auto", mates(axis_faces(assembly, [index for index in link if index not in set(below)]), of_b)
+    if shared:
+        return _offered(assembly, a, shared, form)[:MOST_LINES]
     return (*_offered(assembly, b, lines(of_b), "second"), *_offered(assembly, a, lines(of_a), "first"))[:MOST_LINES]
 
 
@@ -161,16 +161,16 @@ def lines_of_origin(
     if not a:
         return ()
     faces = axis_faces(assembly, a)
-    found = lines(faces) if b is None else mates(faces, axis_faces(assembly, b))
+    all_lines = lines(faces) if b is None else mates(faces, axis_faces(assembly, b))
     radius = selected.radius
     candidates = [
-        one for one in found if radius is None or min(abs(r - radius) for r in one.radii) <= DISTANCE_TOLERANCE
+        one for one in all_lines if radius is None or min(abs(r - radius) for r in one.radii) <= DISTANCE_TOLERANCE
     ]
     chosen = choose(candidates, selected.near, direction_only=direction_only, selected=radius is not None).line
-    plain = choose(found, direction_only=direction_only).line
+    plain = choose(all_lines, direction_only=direction_only).line
     made = []
-    for line in found:
-        one = Selector() if line is plain and not all_explicit else selector(line, found)
+    for line in all_lines:
+        one = Selector() if line is plain and not all_explicit else selector(line, all_lines)
         made.append(_shared(assembly, a[0], line, line is chosen, one, "mate"))
     return tuple(made)
 

@@ -62,7 +62,7 @@ def find_captured(
         larger: The parts to look at.
         cut: Gets a note if a part is left out.
     """
-    found: dict[Pair, Captured] = {}
+    captured: dict[Pair, Captured] = {}
     planes: Planes | None = None
     known: dict[bytes, bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
     inside = frozenset(larger)
@@ -78,30 +78,30 @@ def find_captured(
             facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
             slide = _slide(facing) if len(facing) > 1 else None
             if slide is not None and not _is_locked(relations, one, host, slide.axis):
-                found[pair] = slide
+                captured[pair] = slide
                 break
             if slide is None:
                 known[placed] = bool(facing)
-        if pair not in found and pair not in relations:
+        if pair not in captured and pair not in relations:
             lined, sides = _lined(scene, pair, pads)
             many = len(lined) + len(sides) > _FEWEST_LINED
             facing = [x for a in lined for b in sides for x in planes.facing(a, b, _WIDE)] if many else []
             slide = _slide(facing) if facing else None
             if slide is not None and slide.has_play:
-                found[pair] = slide
-    return found
+                captured[pair] = slide
+    return captured
 
 
 def _pads(scene: Scene, relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, list[int]]:
     """For each part the much smaller ones that lie on a face of it, such as glide pads."""
-    found: dict[int, list[int]] = defaultdict(list)
+    pads: dict[int, list[int]] = defaultdict(list)
     for pair, r in relations.items():
         if r.patches and all(i in larger and i in scene.boxes for i in pair):
             sizes = {i: float(np.linalg.norm(np.ptp(scene.boxes[i], axis=0))) for i in pair}
             pad, host = sorted(pair, key=lambda i: sizes[i])
             if sizes[pad] < _PAD * sizes[host]:
-                found[host].append(pad)
-    return found
+                pads[host].append(pad)
+    return pads
 
 
 def _lined(scene: Scene, pair: Pair, pads: Mapping[int, Sequence[int]]) -> list[list[int]]:
@@ -114,12 +114,12 @@ def _lined(scene: Scene, pair: Pair, pads: Mapping[int, Sequence[int]]) -> list[
 
 def _bolted(relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, set[int]]:
     """For each part those that are fastened to it."""
-    found: dict[int, set[int]] = defaultdict(set)
+    bolted: dict[int, set[int]] = defaultdict(set)
     for (a, b), r in relations.items():
         if (r.is_rigid or r.via == Via.RING) and a in larger and b in larger:
-            found[a].add(b)
-            found[b].add(a)
-    return found
+            bolted[a].add(b)
+            bolted[b].add(a)
+    return bolted
 
 
 def _within(scene: Scene, pair: Pair, bolted: Mapping[int, set[int]]) -> Iterator[tuple[int, tuple[int, ...]]]:
@@ -178,11 +178,11 @@ def _slide(facing: Sequence[Facing]) -> Captured | None:
 
 def _distinct(directions: Sequence[Array]) -> list[Array]:
     """Directions without those that are parallel to earlier ones."""
-    found: list[Array] = []
+    kept: list[Array] = []
     for one in directions:
-        if not any(are_parallel(one, known) for known in found):
-            found.append(one)
-    return found
+        if not any(are_parallel(one, known) for known in kept):
+            kept.append(one)
+    return kept
 
 
 def _is_between(guides: Sequence[Facing]) -> bool:

@@ -56,14 +56,14 @@ def _candidates(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[
 
 
 def _axes_of_fits(fits: Sequence[Fit]) -> list[Axis]:
-    found: list[Axis] = []
+    axes: list[Axis] = []
     for fit in sorted(fits, key=lambda f: (_ORDER[f.kind], -f.radius)):
-        if not any(fit.axis.same(axis) for axis in found):
-            found.append(fit.axis)
+        if not any(fit.axis.same(axis) for axis in axes):
+            axes.append(fit.axis)
     ring = _ring_axis(fits)
     if ring is not None:
-        found.insert(0, ring)
-    return found
+        axes.insert(0, ring)
+    return axes
 
 
 def _ring_axis(fits: Sequence[Fit]) -> Axis | None:

@@ -82,7 +82,7 @@ def find_near_fits(
 
     Args:
         small: Those that move with their hosts, such as screws.
-        found: Lines with exactly coaxial faces; what has a fit on one is left out.
+        contacts: Lines with exactly coaxial faces; what has a fit on one is left out.
     """
     rounds = _rounds(small, contacts)
     ids = [i for i in rounds if parts[i].size]

@@ -50,7 +50,7 @@ def _part(scene: Scene, index: int, *, use_names: bool) -> Part:
     names = spoken_names(component)
     if not names and component.parent >= 0:
         names = spoken_names(scene.component(component.parent))
-    found = tuple(dict.fromkeys(role for name in names for role in roles(name))) if use_names else ()
+    own_roles = tuple(dict.fromkeys(role for name in names for role in roles(name))) if use_names else ()
     box = scene.boxes.get(index, np.zeros((2, 3)))
     volume, com, inertia = 0.0, box.mean(axis=0), np.eye(3)
     if body.exact is not None:
@@ -60,7 +60,7 @@ def _part(scene: Scene, index: int, *, use_names: bool) -> Part:
     size = float(np.linalg.norm(scene.extent(index)))
     name = names[0] if names else ""
     return Part(
-        *(index, component.path, name, found, next(iter(found), None), component.definition),
+        *(index, component.path, name, own_roles, next(iter(own_roles), None), component.definition),
         *(volume, size, box, com, inertia),
     )
 
@@ -244,15 +244,15 @@ _LINEAR = frozenset({
 
 def _rings(part: Part, lines: Sequence[CoaxialLine]) -> frozenset[tuple[float, float, float]]:
     """Bore, outside diameter and width [mm] of a turned ring; a flange may add to its outside diameters."""
-    found = set()
+    rings = set()
     for line in lines:
         faces = [face for face in line.faces[part.index] if face.span > HALF_ROUND and not face.cone]
         bores = {_diameter(face.radius) for face in faces if face.bore}
         outside = {_diameter(face.radius) for face in faces if not face.bore}
         if bores and outside and part.is_balanced(line.axis):
             width = _extent(part, line)
-            found |= {(min(bores), diameter, width) for diameter in outside}
-    return frozenset(found)
+            rings |= {(min(bores), diameter, width) for diameter in outside}
+    return frozenset(rings)
 
 
 def _extent(part: Part, line: CoaxialLine) -> float:

@@ -165,9 +165,9 @@ def _planes(
         if pieces.find(a) == pieces.find(b):
             continue
         # A tilted plane may be farther from another one at its own point than where both face each other.
-        found = [one.patch for one in planes.facing(a, b, OFFSET, OFFSET, 1.0 - 0.5 * ANGLE**2)]
+        patches = [one.patch for one in planes.facing(a, b, OFFSET, OFFSET, 1.0 - 0.5 * ANGLE**2)]
         chosen: list[Patch] = []
-        for patch in sorted(found, key=lambda one: (-round(one.area, 9), tuple(one.normal))):
+        for patch in sorted(patches, key=lambda one: (-round(one.area, 9), tuple(one.normal))):
             is_off = abs(patch.gap) < reach and patch.area > _AREA and ((a, b) in shown or is_tilted(patch))
             if is_off and all(patch.normal @ one.normal < _ALIKE for one in chosen):
                 chosen.append(patch)
@@ -301,12 +301,12 @@ class _System:
 
     def motions(self) -> dict[int, Pose]:
         """The motion of each part of a body that moves."""
-        found: dict[int, Pose] = {}
+        poses: dict[int, Pose] = {}
         for root, n in self._row.items():
             X = Pose.of(self._R[n], self._centres[n] + self._p[n] - rotated(self._R[n], self._centres[n]))
             if max(length(self._p[n]), _LEVER * rotation_angle(self._R[n])) > _IN_PLACE:
-                found |= dict.fromkeys(self._bodies.members(root), X)
-        return found
+                poses |= dict.fromkeys(self._bodies.members(root), X)
+        return poses
 
 
 def _add(N: Array, rhs: Array, columns: NDArray[np.intp], rows: Sequence[Array], wanted: Array, trust: Array) -> None:

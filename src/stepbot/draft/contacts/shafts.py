@@ -77,13 +77,13 @@ def _joined(faces: list[LineFace]) -> tuple[LineFace, ...]:
 def neighbours_on(line: CoaxialLine) -> list[tuple[int, int]]:
     """Pairs of parts whose faces on the line overlap or nearly do."""
     spans = sorted((min(f.low for f in faces), max(f.high for f in faces), part) for part, faces in line.faces.items())
-    found = set()
+    pairs = set()
     active: list[tuple[float, int]] = []
     for low, high, part in spans:
         active = [(end, other) for end, other in active if end >= low - _NEAR]
-        found |= {(min(part, other), max(part, other)) for _, other in active}
+        pairs |= {(min(part, other), max(part, other)) for _, other in active}
         active.append((high, part))
-    return sorted(found)
+    return sorted(pairs)
 
 
 def _pair_fits(line: CoaxialLine, a: int, b: int) -> list[Fit]:

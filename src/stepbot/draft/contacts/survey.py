@@ -141,7 +141,7 @@ class Survey:
     @cached_property
     def _spindles(self) -> set[int]:
         """Long rods, though named after their thread, in a drive nut or in line with the shaft of a motor."""
-        found = set[int]()
+        spindles = set[int]()
         for line in self.contacts.lines:
             for part, faces in line.faces.items():
                 shanks = [f.radius for f in faces if not f.bore and not f.cone]
@@ -149,8 +149,8 @@ class Survey:
                     continue
                 others = ((self.parts[i], f) for i, own in line.faces.items() if i != part for f in own)
                 if any(is_drive(one.name) if f.bore else Role.MOTOR in one.roles for one, f in others):
-                    found.add(part)
-        return found
+                    spindles.add(part)
+        return spindles
 
     def _has_bores_apart(self, part: int) -> bool:
         """Whether shafts of other parts are in its bores on two lines: a nut has one."""
@@ -203,8 +203,8 @@ class Survey:
     def one_part(self) -> list[list[int]]:
         """The bodies of each product with several, but for one that has all: no placement moves them apart."""
         one_of_each = {self.assembly.components[i].parent: i for i in self.parts}
-        found = map(self.bodies_of_same_part, one_of_each.values())
-        return sorted(bodies for bodies in found if 1 < len(bodies) < len(self.parts))
+        groups = map(self.bodies_of_same_part, one_of_each.values())
+        return sorted(bodies for bodies in groups if 1 < len(bodies) < len(self.parts))
 
     def has_screw_at(self, axis: Axis) -> bool:
         """Whether a screw is on a line, near the given position."""
@@ -225,11 +225,11 @@ class Survey:
 
     @cached_property
     def _nearly_fitted(self) -> dict[int, list[Pair]]:
-        found: dict[int, list[Pair]] = defaultdict(list)
+        fitted: dict[int, list[Pair]] = defaultdict(list)
         for pair in self.near_fits:
             for part in pair:
-                found[part].append(pair)
-        return found
+                fitted[part].append(pair)
+        return fitted
 
     @cached_property
     def captured(self) -> dict[Pair, Captured]:
@@ -272,12 +272,12 @@ class Survey:
     @cached_property
     def tops(self) -> set[int]:
         """The highest component with more than one child, and those above it: they are no link."""
-        top, found = 0, {-1, 0}
+        top, tops = 0, {-1, 0}
         children = self.assembly.children
         while len(children[top]) == 1 and children[children[top][0]]:
             top = children[top][0]
-            found.add(top)
-        return found
+            tops.add(top)
+        return tops
 
     def islands(self, members: Iterable[int]) -> list[list[int]]:
         """Parts in groups that touch each other."""

@@ -108,9 +108,9 @@ def teeth_of(body: Body) -> Teeth:
     rims = []
     for axis in _axes(body.faces):
         across = (ring for normal, ring in outlines if are_parallel(normal, axis.d))
-        found = [rim for ring in across if (rim := _rim(ring, axis)) is not None]
-        if found:
-            rims.append(max(found, key=lambda rim: (rim.teeth, rim.tip)))
+        candidates = [rim for ring in across if (rim := _rim(ring, axis)) is not None]
+        if candidates:
+            rims.append(max(candidates, key=lambda rim: (rim.teeth, rim.tip)))
     racks = (rack for normal, ring in outlines for rack in _racks(ring, normal))
     return Teeth(tuple(rims), max(racks, key=lambda rack: round(rack.length / rack.pitch), default=None))
 

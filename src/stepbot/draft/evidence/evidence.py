@@ -140,8 +140,8 @@ class Evidence(Struct, eq=False):
 
     def weaker_joints(self, least: float) -> list[JointEvidence]:
         """Joints that are too weak to be drafted, the strongest first."""
-        found = [h for h in self.joints if h.verdict == Verdict.OFFERED and h.score >= least]
-        return sorted(found, key=lambda h: (-round(h.score, 6), h.a, h.b))
+        weaker = [h for h in self.joints if h.verdict == Verdict.OFFERED and h.score >= least]
+        return sorted(weaker, key=lambda h: (-round(h.score, 6), h.a, h.b))
 
     @property
     def mechanisms(self) -> set[tuple[int, int]]:

@@ -143,9 +143,11 @@ def _heights(line: Axis, axis: Axis, positions: Sequence[float]) -> list[float]:
     return [float((line.point + line.d * at) @ axis.d) for at in positions]
 
 
-def mesh_between(found: Sequence[Mesh], one: Sequence[int], two: Sequence[int], axes: tuple[Axis, Axis]) -> Mesh | None:
+def mesh_between(
+    meshes: Sequence[Mesh], one: Sequence[int], two: Sequence[int], axes: tuple[Axis, Axis]
+) -> Mesh | None:
     """The mesh of gears of two bodies, each on the axis that its body turns about; the first body's gear is first."""
-    for mesh in found:
+    for mesh in meshes:
         for first, second in ((mesh.one, mesh.two), (mesh.two, mesh.one)):
             on_axes = axes[0].same(first.axis, SAME_GEAR) and axes[1].same(second.axis, SAME_GEAR)
             if on_axes and first.part in one and second.part in two:

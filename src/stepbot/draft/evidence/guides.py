@@ -260,7 +260,7 @@ class OnRods(Struct, frozen=True, eq=False):
 
 def on_rods(survey: Survey) -> list[OnRods]:
     """The parts that slide on two parallel rods of another part: loose on them, in their middle, or by bearings."""
-    found = []
+    slides = []
     for i in (i for i in survey.parts if i not in survey.small and Role.BEARING not in survey.parts[i].roles):
         for rods, is_free in ((rods_in(survey, i)[0], False), (_rods_in_bearings(survey, i), True)):
             for one, two, r in guided(survey, i, rods):
@@ -272,8 +272,8 @@ def on_rods(survey: Survey) -> list[OnRods]:
                         for rod, q in held
                     )
                     if tells and r.axis is not None:
-                        found.append(OnRods(i, holder, (one, two), r.axis))
-    return found
+                        slides.append(OnRods(i, holder, (one, two), r.axis))
+    return slides
 
 
 def _rods_in_bearings(survey: Survey, part: int) -> list[tuple[int, Relation]]:

@@ -166,26 +166,26 @@ class _Linkages:
 
     def _in_moving_loops(self, hinges: list[Hinge]) -> list[Hinge]:
         """The uncertain hinges in loops that move with them, if they do not hold what moves without."""
-        found = []
+        uncertain = []
         for group in self._connected(self._pruned(hinges)) if any(h.is_uncertain for h in hinges) else ():
             tree = [h for h in group if not h.is_extra]
             rest = [h for h in tree if not h.is_uncertain]
             moving = self._mobility_of(tree)
             still = {id(h) for n, h in enumerate(tree) if n not in moving.turning}
             if len(rest) < len(tree) and not any(id(rest[n]) in still for n in self._mobility_of(rest).turning):
-                found += [tree[n] for n in sorted(moving.looped) if tree[n].is_uncertain]
-        return found
+                uncertain += [tree[n] for n in sorted(moving.looped) if tree[n].is_uncertain]
+        return uncertain
 
     def _ends(self, h: Hinge) -> tuple[int, int]:
         one, two = sorted((self._bodies.find(h.a), self._bodies.find(h.b)))
         return one, two
 
     def _mobility_of(self, hinges: Sequence[Hinge]) -> Mobility:
-        found = mobility(hinges, self._bodies)
-        if found is None:
+        result = mobility(hinges, self._bodies)
+        if result is None:
             self._survey.cut[f"the mobility of linkages of more than {MOST} bodies was not computed"] = None
             return Mobility(set(range(len(hinges))), set(), [])
-        return found
+        return result
 
     def _is_piston(self, h: Hinge) -> bool:
         """Whether one side is a long shaft in the other, free along it: what locks a loop if it only turns."""
@@ -270,17 +270,17 @@ class _Linkages:
             for p in r.patches
             if not axis.is_along(p.normal)
         ]
-        found = np.concatenate([*speeds, np.zeros(0)])
-        least, most = float(found.min(initial=0.0)), float(found.max(initial=0.0))
+        all_speeds = np.concatenate([*speeds, np.zeros(0)])
+        least, most = float(all_speeds.min(initial=0.0)), float(all_speeds.max(initial=0.0))
         return most > _LEVER > -least or least < -_LEVER < -most
 
     def _between(self) -> dict[tuple[int, int], list[Relation]]:
-        found: dict[tuple[int, int], list[Relation]] = defaultdict(list)
+        between: dict[tuple[int, int], list[Relation]] = defaultdict(list)
         for (a, b), r in self._survey.pairs():
             one, two = sorted((self._bodies.find(a), self._bodies.find(b)))
             if one != two:
-                found[one, two].append(r)
-        return found
+                between[one, two].append(r)
+        return between
 
     def _hinges(self) -> Iterator[Hinge]:
         """Pairs on each line whose contacts let them turn about it: those that touch first, then neighbours."""
@@ -309,19 +309,19 @@ class _Linkages:
     def _slides(self, hinges: Sequence[Hinge]) -> list[Hinge]:
         """Pairs of bodies of linkages whose contacts leave nothing but one translation, or that two rods guide."""
         on, hinged = {self._bodies.find(i) for h in hinges for i in (h.a, h.b)}, {self._ends(h) for h in hinges}
-        found = []
+        slides = []
         for pair, relations in self._between().items():
             r = merged(relations, pair, ()) if on.issuperset(pair) and pair not in hinged else None
             if r is not None and r.freedom.kind == FreedomKind.PRISMATIC and r.freedom.direction is not None:
                 largest = max(relations, key=lambda one: (round(one.area, 9), -one.a, -one.b))
                 axis = Axis(r.patches[0].point if r.patches else r.fits[0].axis.point, r.freedom.direction)
-                found.append(Hinge(axis, largest.a, largest.b, slides=True))
+                slides.append(Hinge(axis, largest.a, largest.b, slides=True))
         for one in self._on_rods:
             h = Hinge(one.axis, one.part, one.holder, slides=True)
             a, b = self._ends(h)
-            if a != b and on.issuperset((a, b)) and not any((a, b) == self._ends(k) for k in (*hinges, *found)):
-                found.append(h)
-        return found
+            if a != b and on.issuperset((a, b)) and not any((a, b) == self._ends(k) for k in (*hinges, *slides)):
+                slides.append(h)
+        return slides
 
     def _pruned(self, hinges: list[Hinge]) -> list[Hinge]:
         """Without bodies that are held on one line alone and are turned about it, or are tags."""

@@ -74,15 +74,15 @@ def mobility(hinges: Sequence[Hinge], bodies: Clusters) -> Mobility | None:
 
 def _in_loops(ends: Sequence[tuple[int, int]], bodies: Sequence[int]) -> set[int]:
     """Hinges whose bodies stay connected without them."""
-    found = set()
+    in_loops = set()
     for n, (one, two) in enumerate(ends):
         tied = Clusters(bodies)
         for m, (a, b) in enumerate(ends):
             if m != n:
                 tied.join(a, b)
         if tied.find(one) == tied.find(two):
-            found.add(n)
-    return found
+            in_loops.add(n)
+    return in_loops
 
 
 def _moving_pairs(bodies: Sequence[int], free: Array) -> list[tuple[int, int]]:

@@ -121,7 +121,7 @@ def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
     if motor.outputs or len(motor.parts) < 2:
         return []
     volume = survey.parts[motor.case].volume
-    found = []
+    outputs = []
     for i in motor.parts:
         part = survey.parts[i]
         if i == motor.case or i in survey.small or part.volume > _MOST_OUTPUT_VOLUME * volume:
@@ -135,8 +135,8 @@ def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
         if axis is None or not (is_horn or part.is_balanced(axis)):
             continue
         if fastened or part.volume > _LEAST_OUTPUT_VOLUME * volume:
-            found.append((not fastened, -max(r.radius for r in touching), i))
-    return [i for _, _, i in sorted(found)][:2]
+            outputs.append((not fastened, -max(r.radius for r in touching), i))
+    return [i for _, _, i in sorted(outputs)][:2]
 
 
 def apart_outputs(survey: Survey, motor: Motor) -> dict[int, list[int]]:
@@ -147,7 +147,7 @@ def apart_outputs(survey: Survey, motor: Motor) -> dict[int, list[int]]:
     larger = [i for i in motor.parts if i not in survey.small]
     if motor.outputs or not motor.is_named or len(larger) < 2:
         return {}
-    found: dict[int, list[int]] = {}
+    outputs: dict[int, list[int]] = {}
     for axis in survey.turned.get(motor.case, ()):
         held = Clusters(larger)
         for i, k in combinations(larger, 2):
@@ -160,10 +160,10 @@ def apart_outputs(survey: Survey, motor: Motor) -> dict[int, list[int]]:
             is_turned = any(axis.same(line, SAME_AXIS) for line in survey.turned.get(first, ()))
             is_turned &= all(survey.parts[i].is_balanced(axis) for i in island)
             if motor.case not in island and carries and is_turned:
-                found[first] = [i for i in island if i != first]
-        if found:
+                outputs[first] = [i for i in island if i != first]
+        if outputs:
             break
-    return found
+    return outputs
 
 
 def lies_on(output: Output, relations: Sequence[Relation]) -> bool:

@@ -95,7 +95,7 @@ def _named_motors(survey: Survey) -> list[Motor]:
     in_pieces = {c.index for c in assembly.components[1:] if _is_in_pieces(survey, c.index, named)}
     named |= in_pieces
     taken: set[int] = set()
-    found: list[tuple[Component, tuple[int, ...]]] = []
+    cases: list[tuple[Component, tuple[int, ...]]] = []
     for c in assembly.components[1:]:
         if c.index not in named or c.index in taken or _is_folder(survey, c.index, named):
             continue
@@ -104,10 +104,10 @@ def _named_motors(survey: Survey) -> list[Motor]:
         is_one = len(members) in (1, len(parts))
         if members and (is_one or survey.size_of(members) <= _LARGEST * survey.extent):
             taken.update(below)
-            found.append((c, members))
+            cases.append((c, members))
     motors = []
-    shafts = _shafts(survey, [members for _, members in found])
-    for c, members in _reunited(survey, found, shafts):
+    shafts = _shafts(survey, [members for _, members in cases])
+    for c, members in _reunited(survey, cases, shafts):
         if survey.total_volume(members) < _WIRE:
             continue
         still = [parts[i] for i in members if not {Role.WHEEL, Role.HORN} & {*parts[i].roles}]
@@ -141,7 +141,7 @@ def _shafts(survey: Survey, motors: Sequence[tuple[int, ...]]) -> dict[int, int]
     A piece with the name of the case and a number may be anything of a motor.
     """
     named = {i: members for members in motors for i in members}
-    found = {}
+    shafts = {}
     for part in (members[0] for members in motors if len(members) == 1):
         inside = [(i, r) for i, r in survey.around(part) if i in named and named[i] != named[part]]
         if any(_own_name(survey, i) == _own_name(survey, part) for i, _ in inside):
@@ -150,8 +150,8 @@ def _shafts(survey: Survey, motors: Sequence[tuple[int, ...]]) -> dict[int, int]
         if len({named[i] for i, _ in inside}) != 1 or survey.total_volume(named[inside[0][0]]) < least:
             continue
         if all(r.turns is not None and survey.parts[part].is_balanced(r.turns) for _, r in inside):
-            found[part] = inside[0][0]
-    return found
+            shafts[part] = inside[0][0]
+    return shafts
 
 
 def _own_name(survey: Survey, part: int) -> str:
@@ -159,7 +159,7 @@ def _own_name(survey: Survey, part: int) -> str:
 
 
 def _reunited(
-    survey: Survey, found: Sequence[tuple[Component, tuple[int, ...]]], shafts: Mapping[int, int]
+    survey: Survey, cases: Sequence[tuple[Component, tuple[int, ...]]], shafts: Mapping[int, int]
 ) -> list[tuple[Component, tuple[int, ...]]]:
     """Motors, those that were imported as several products as one, named after its largest part.
 
@@ -168,30 +168,30 @@ def _reunited(
     The pieces of one motor touch each other, and no two of them are equal.
     """
     numbered: dict[tuple[int, str], list[int]] = defaultdict(list)
-    for n, (c, _) in enumerate(found):
+    for n, (c, _) in enumerate(cases):
         numbered[c.parent, _NUMBERED.sub("", c.product)].append(n)
-    owner = {i: n for n, (_, members) in enumerate(found) for i in members}
-    tied = Clusters(range(len(found)))
+    owner = {i: n for n, (_, members) in enumerate(cases) for i in members}
+    tied = Clusters(range(len(cases)))
     for shaft, inside in shafts.items():
         tied.join(owner[shaft], owner[inside])
     for alike in numbered.values():
         for n in alike:
-            touching = {owner.get(r.other(i), n) for i in found[n][1] for r in survey.near.get(i, ())}
+            touching = {owner.get(r.other(i), n) for i in cases[n][1] for r in survey.near.get(i, ())}
             for m in sorted(touching.intersection(alike)):
-                kinds = [survey.equal.kinds(found[k][1]) for k in {*tied.members(n), *tied.members(m)}]
+                kinds = [survey.equal.kinds(cases[k][1]) for k in {*tied.members(n), *tied.members(m)}]
                 if len(set(kinds)) == len(kinds):
                     tied.join(n, m)
     motors = []
     for group in tied.groups().values():
-        first = max(group, key=lambda n: (survey.total_volume(found[n][1]), -n))
-        motors.append((found[first][0], tuple(sorted(i for n in group for i in found[n][1]))))
+        first = max(group, key=lambda n: (survey.total_volume(cases[n][1]), -n))
+        motors.append((cases[first][0], tuple(sorted(i for n in group for i in cases[n][1]))))
     return motors
 
 
 def _is_named_motor(names: list[str]) -> bool:
     """Whether the first role is a motor's: a screw of a motor is a screw."""
-    found = [role for name in names for role in roles(name)]
-    return bool(found) and found[0] == Role.MOTOR
+    named_roles = [role for name in names for role in roles(name)]
+    return bool(named_roles) and named_roles[0] == Role.MOTOR
 
 
 def _is_in_pieces(survey: Survey, index: int, named: set[int]) -> bool:
@@ -290,9 +290,9 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
 
 def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, ...]:
     """The parts of the highest subassembly that is hardly larger than a motor's case, around each equal case."""
-    found: tuple[int, ...] = (case,)
+    members: tuple[int, ...] = (case,)
     if not survey.sources.tree:
-        return found
+        return members
     assembly = survey.assembly
     nodes = [i for i in cases if survey.equal.kind(i) == survey.equal.kind(case)]
     mine = nodes.index(case)
@@ -300,10 +300,10 @@ def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, 
         nodes = [assembly.components[node].parent for node in nodes]
         inside = [tuple(i for i in assembly.subtree(node) if i in survey.parts) for node in nodes if node > 0]
         if len(set(inside)) < len(nodes) or len({len(parts) for parts in inside}) > 1:
-            return found
+            return members
         if survey.size_of(inside[mine]) > _AROUND * survey.parts[case].size:
-            return found
-        found = inside[mine]
+            return members
+        members = inside[mine]
 
 
 def _is_block(survey: Survey, part: int) -> bool:

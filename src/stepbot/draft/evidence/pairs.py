@@ -149,7 +149,7 @@ class PairEvidence:
 
         A long shaft of a ball without a shoulder may slide.
         """
-        survey, found = self._survey, set[int]()
+        survey, bolted = self._survey, set[int]()
         for r in survey.near.get(ball, ()):
             through = [
                 fit.axis
@@ -158,11 +158,11 @@ class PairEvidence:
                 and (fit.shaft == r.other(ball) or r.patches or fit.length < _STUD * fit.radius)
             ]
             if through and r.other(ball) not in survey.small:
-                found.add(r.other(ball))
+                bolted.add(r.other(ball))
             elif through:
                 on = (t for t in survey.near.get(r.other(ball), ()) if any(f.axis.same(through[0]) for f in t.shafts))
-                found |= {t.other(r.other(ball)) for t in on} - survey.small
-        return found - {socket.a, socket.b}
+                bolted |= {t.other(r.other(ball)) for t in on} - survey.small
+        return bolted - {socket.a, socket.b}
 
     def _slide(self, r: Relation) -> None:
         if all(fit.length < SPIGOT * fit.radius for fit in r.shafts):

@@ -83,7 +83,7 @@ def _loose_pins(survey: Survey, line: CoaxialLine) -> Iterator[Pair]:
 
 def in_holes(survey: Survey, screw: int, axis: Axis) -> list[int]:
     """The larger parts that a screw on an axis goes through with the clearance of its hole."""
-    found = []
+    inside = []
     for line in survey.contacts.lines:
         if screw in line.faces and line.axis.same(axis):
             shanks = [f for f in line.faces[screw] if not f.bore and not f.cone]
@@ -95,8 +95,8 @@ def in_holes(survey: Survey, screw: int, axis: Axis) -> list[int]:
                     for bore in bores
                     for shank in shanks
                 ):
-                    found.append(i)
-    return found
+                    inside.append(i)
+    return inside
 
 
 def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterator[Pivot]:

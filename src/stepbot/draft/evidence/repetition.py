@@ -31,19 +31,19 @@ def repeated_joints(
     """Joints like those that were found, between parts that are still in one link or not joined."""
     link_of = {i: n for n, members in enumerate(links) for i in members}
     joined = {frozenset((link_of[h.a], link_of[h.b])) for h in joints}
-    found: list[JointEvidence] = []
+    repeated: list[JointEvidence] = []
     for h in joints:
         if h.type not in _TYPES or h.axis.direction is None or _is_guess(h):
             continue
         for a, b, axis in _elsewhere(survey, h):
             sides = frozenset((link_of[a], link_of[b]))
-            known = any((one.a, one.b) == (a, b) and one.axis.same(axis, OFFSET) for one in found)
+            known = any((one.a, one.b) == (a, b) and one.axis.same(axis, OFFSET) for one in repeated)
             if known or (len(sides) == 2 and sides in joined):
                 continue
             why = f"as between '{survey.parts[h.a].path}' and '{survey.parts[h.b].path}'"
             relation = survey.relation(a, b)
-            found.append(JointEvidence(min(_SCORE, h.score), a, b, h.type, axis, why, relation, review=REVIEW))
-    return found
+            repeated.append(JointEvidence(min(_SCORE, h.score), a, b, h.type, axis, why, relation, review=REVIEW))
+    return repeated
 
 
 def _is_guess(h: JointEvidence) -> bool:

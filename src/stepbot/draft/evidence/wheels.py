@@ -50,13 +50,13 @@ _LEAST = 1e-3
 
 def wheels(survey: Survey) -> dict[int, Axis]:
     """The axes of all wheels, by name or by shape."""
-    found = dict(rolling(survey))
+    axes = dict(rolling(survey))
     for i, part in survey.parts.items():
-        if Role.WHEEL in part.roles and i not in survey.small and i not in found:
+        if Role.WHEEL in part.roles and i not in survey.small and i not in axes:
             axis = _turned_about(survey, i)
             if axis is not None:
-                found[i] = axis
-    return found
+                axes[i] = axis
+    return axes
 
 
 def is_wheel(survey: Survey, known: Collection[int], members: Sequence[int], axis: Axis) -> bool:
@@ -224,13 +224,13 @@ class Feet:
 
         At most two, each by its representative.
         """
-        found = []
+        below = []
         for d in (-axis.d, axis.d):
             level, last = self._last(d)
             roots = {sides.find(i) if i in sides else -1 for i in last}
             if len(roots) == 1 and -1 not in roots:
-                found.append((roots.pop(), self._width(last, Axis(axis.point, d), level)))
-        return found
+                below.append((roots.pop(), self._width(last, Axis(axis.point, d), level)))
+        return below
 
     def count_beside(self, members: Sequence[int], axis: Axis) -> int:
         """The number of parts that end along an axis in flat faces where some parts do: feet on one ground."""

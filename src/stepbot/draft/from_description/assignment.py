@@ -99,7 +99,7 @@ class _Assigning:
 
     def _groups_of_clusters(self) -> dict[int, str]:
         """For inferred links the rigid group with most of their recognized volume, else the one with their axes."""
-        found = {}
+        groups = {}
         incident = self._incident()
         for n, members in enumerate(self._inferred.links):
             volumes: dict[str, float] = defaultdict(float)
@@ -107,23 +107,23 @@ class _Assigning:
                 if i in self._result.recognized:
                     volumes[self._group_of[self._result.link_of[i]]] += self._parts[i].volume + 1e-15
             if volumes:
-                found[n] = max(volumes, key=lambda group: (volumes[group], group))
+                groups[n] = max(volumes, key=lambda group: (volumes[group], group))
                 continue
             group = self._by_axes(n, incident)
             if group is not None:
-                found[n] = group
-        return found
+                groups[n] = group
+        return groups
 
     def _incident(self) -> dict[str, dict[str, Axis]]:
         """For each rigid group its joints, with their axes as drawn."""
-        found: dict[str, dict[str, Axis]] = {group: {} for group in self._group_of.values()}
+        axes: dict[str, dict[str, Axis]] = {group: {} for group in self._group_of.values()}
         for child, joint in self._described.joints.items():
             if joint.kind is not JointKind.FIXED:
                 X_WC = self._placement.poses[child]
                 axis = Axis(X_WC.p, None if joint.kind is JointKind.BALL else X_WC.turn(joint.axis))
                 for end in (joint.parent, child):
-                    found[self._group_of[end]][child] = axis
-        return found
+                    axes[self._group_of[end]][child] = axis
+        return axes
 
     def _by_axes(self, n: int, incident: Mapping[str, Mapping[str, Axis]]) -> str | None:
         """The group whose joints are on the axes of an inferred link; of several the one with its centre of mass."""
@@ -196,14 +196,14 @@ class _Assigning:
     def _inside(self, i: int) -> list[str]:
         """Links whose bounding box contains a component."""
         sample = self._sample(i)
-        found = []
+        inside = []
         for name, link in self._described.links.items():
             if len(link.points) and len(sample):
                 own = self._placement.poses[name].inverse().apply(sample)
                 low, high = corners(link.points)
                 if ((own >= low - _SLACK) & (own <= high + _SLACK)).all(axis=1).mean() >= _INSIDE:
-                    found.append(name)
-        return found
+                    inside.append(name)
+        return inside
 
     def _sibling(self, i: int) -> str | None:
         """The link of all recognized bodies of the same part; None if there is none, or more than one."""

@@ -48,15 +48,15 @@ def draft_of_description(description: Description, assembly: Assembly, robot: st
     described = skeleton(description)
     if described is None or not any(component.body >= 0 for component in assembly.components):
         return None
-    found = infer_mechanism(assembly)
-    likely = distinct([*(arc.evidence.axis for arc in found.arcs), *(hinge.axis for hinge in found.offered)])
+    inferred = infer_mechanism(assembly)
+    likely = distinct([*(arc.evidence.axis for arc in inferred.arcs), *(hinge.axis for hinge in inferred.offered)])
     lines = Lines(assembly)
-    surfaces = Surfaces(found.survey.scene)
+    surfaces = Surfaces(inferred.survey.scene)
     placement = find_placement(described, assembly, likely, lines, surfaces)
     if placement is None:
         return None
-    assigned = assign(described, placement, assembly, found, surfaces)
-    moving = [arc.evidence for arc in found.arcs if arc.evidence.type is not JointKind.FIXED]
+    assigned = assign(described, placement, assembly, inferred, surfaces)
+    moving = [arc.evidence for arc in inferred.arcs if arc.evidence.type is not JointKind.FIXED]
     return _Drafting(described, placement, assembly, lines, assigned).draft(robot, source, moving)
 
 
@@ -74,8 +74,8 @@ class _Drafting:
         root = self._described.root
         X_WR = self._placement.poses[root]
         recognized, all_of_them = len(self._assigned.recognized), len(self._assigned.link_of)
-        found = f"{recognized} of {all_of_them} components recognized by their faces"
-        notes = [f"placed by this: {self._placement.how}; {found}", *self._described.notes]
+        note = f"{recognized} of {all_of_them} components recognized by their faces"
+        notes = [f"placed by this: {self._placement.how}; {note}", *self._described.notes]
         notes += [*self._fused(), *self._split(moving)]
         return Draft(
             robot,

@@ -88,16 +88,16 @@ class _Placing:
         self._turning = {child: joint for child, joint in described.joints.items() if joint.kind.is_hinge}
 
     def best(self) -> Placement | None:
-        found = [self._grown(self._described.root, Pose(), "its frame is that of the STEP")]
+        candidates = [self._grown(self._described.root, Pose(), "its frame is that of the STEP")]
         for ways in (self._by_boxes, self._by_axes, self._by_vertices):
-            if self._is_whole(max(found, key=lambda one: one.rank)):
+            if self._is_whole(max(candidates, key=lambda one: one.rank)):
                 break
             tried = sorted(islice(ways(), _TRIED), key=lambda one: self._first_rank(one[0], one[1]), reverse=True)
             for one in tried[:_GROWN]:
-                found.append(self._grown(*one))
-                if self._is_whole(found[-1]):
+                candidates.append(self._grown(*one))
+                if self._is_whole(candidates[-1]):
                     break
-        best = max(found, key=lambda one: one.rank)
+        best = max(candidates, key=lambda one: one.rank)
         return best if self._is_credible(best) else None
 
     def _is_whole(self, placement: Placement) -> bool:
@@ -215,14 +215,14 @@ class _Placing:
     def _body(self, joint: Joint, near: str) -> list[tuple[str, Pose]]:
         """The link beyond a joint and all links fixed to it, with their poses in it."""
         far = joint.child if near == joint.parent else joint.parent
-        found = {far: Pose()}
+        poses = {far: Pose()}
         waiting = [far]
         for at in waiting:
             for _, fixed, other in self._around(at):
-                if fixed.kind is JointKind.FIXED and other not in found:
-                    found[other] = _beyond(fixed, found[at], at, 0.0)
+                if fixed.kind is JointKind.FIXED and other not in poses:
+                    poses[other] = _beyond(fixed, poses[at], at, 0.0)
                     waiting.append(other)
-        return list(found.items())
+        return list(poses.items())
 
     def _offered(self, joint: Joint, X: Pose, near: str, body: Sequence[tuple[str, Pose]]) -> list[float]:
         """Candidate positions of a joint: 0, those that match vertices, and those that match axes beyond it."""
@@ -231,24 +231,24 @@ class _Placing:
         still = _beyond(joint, X, near, 0.0)
         parts = [X_FO.apply(spread(self._described.links[name].points, _MOVED)) for name, X_FO in body]
         vertices = still.apply(np.concatenate(parts))
-        found = [0.0]
+        offsets = [0.0]
         if joint.kind is JointKind.PRISMATIC:
-            found += slides(vertices, self._vertices, line) if len(vertices) else []
+            offsets += slides(vertices, self._vertices, line) if len(vertices) else []
         else:
-            found += turns(vertices, self._vertices, line) if len(vertices) else []
+            offsets += turns(vertices, self._vertices, line) if len(vertices) else []
             for axis in self._axes_of(joint, still, body):
-                found += self._lines.turns(line, axis)[:_LINES]
-        return list(dict.fromkeys(_within(joint, sign * q) for q in found))
+                offsets += self._lines.turns(line, axis)[:_LINES]
+        return list(dict.fromkeys(_within(joint, sign * q) for q in offsets))
 
     def _axes_of(self, joint: Joint, X: Pose, body: Sequence[tuple[str, Pose]]) -> list[Axis]:
         """Axes of all but one rotating joints on a body at a pose."""
-        found = []
+        axes = []
         for name, X_FO in body:
             for _, other, _ in self._around(name):
                 if other is not joint and other.kind.is_hinge:
                     X_WJ = X @ X_FO @ other.X_PC if name == other.parent else X @ X_FO
-                    found.append(Axis(X_WJ.p, X_WJ.turn(other.axis)))
-        return found
+                    axes.append(Axis(X_WJ.p, X_WJ.turn(other.axis)))
+        return axes
 
     def _suits(self, joint: Joint, X: Pose, near: str, q: float, body: Sequence[tuple[str, Pose]]) -> float:
         """Share of a body's vertices on faces, and of its axes on axes of the assembly, from 0 to 1."""
@@ -286,23 +286,23 @@ def _within(joint: Joint, q: float) -> float:
 
 def _vertices(assembly: Assembly) -> Array:
     """Vertices (n, 3) of all bodies in the assembly."""
-    found = [
+    vertices = [
         component.X_WC.apply(assembly.bodies[component.body].mesh.vertices)
         for component in assembly.components
         if component.body >= 0
     ]
-    return np.concatenate([np.zeros((0, 3)), *found])
+    return np.concatenate([np.zeros((0, 3)), *vertices])
 
 
 def _orientations() -> list[Array]:
     """The 24 rotations that map axes to axes, the identity first."""
-    found = []
+    turns = []
     for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
         R = np.zeros((3, 3))
         R[range(3), order] = signs
         if np.linalg.det(R) > 0.0:
-            found.append(R)
-    return found
+            turns.append(R)
+    return turns
 
 
 def _extremes(points: Array, most: int) -> Array:

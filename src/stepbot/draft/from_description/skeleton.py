@@ -117,18 +117,18 @@ def skeleton(description: Description) -> Skeleton | None:
 
 def _tree(root: str, above: Mapping[str, ObservedJoint]) -> list[str]:
     """Links from a root down, parents first."""
-    found = [root]
-    for name in found:
-        found += [child for child, joint in above.items() if joint.parent == name and child not in found]
-    return found
+    order = [root]
+    for name in order:
+        order += [child for child, joint in above.items() if joint.parent == name and child not in order]
+    return order
 
 
 def _points(description: Description, names: Sequence[str]) -> dict[str, Array]:
-    found: dict[str, list[Array]] = {name: [np.zeros((0, 3))] for name in names}
+    by_link: dict[str, list[Array]] = {name: [np.zeros((0, 3))] for name in names}
     for shape in description.seen:
-        if shape.link in found:
-            found[shape.link].append(shape.points)
-    return {name: np.concatenate(points) for name, points in found.items()}
+        if shape.link in by_link:
+            by_link[shape.link].append(shape.points)
+    return {name: np.concatenate(points) for name, points in by_link.items()}
 
 
 def _link(seen: ObservedLink, points: Array, shift: Pose) -> SkeletonLink:
@@ -172,19 +172,19 @@ def _frames(
         has_children = any(joint.parent == name and child not in gone for child, joint in joints.items())
         if name != root and _is_empty(links[name]) and joints[name].kind is JointKind.FIXED and not has_children:
             gone[name] = Frame(name, joints[name].parent, joints[name].X_PC)
-    found = []
+    frames = []
     for frame in reversed(gone.values()):
         while frame.link in gone:
             outer = gone[frame.link]
             frame = replace(frame, link=outer.link, X_LF=outer.X_LF @ frame.X_LF)
-        found.append(frame)
-    return found, {name: link for name, link in links.items() if name not in gone}, set(gone)
+        frames.append(frame)
+    return frames, {name: link for name, link in links.items() if name not in gone}, set(gone)
 
 
 def _closures(
     description: Description, shift: Mapping[str, Pose], kept: Mapping[str, SkeletonLink]
 ) -> tuple[SkeletonClosure, ...]:
-    found = []
+    closures = []
     for seen in description.observation.closures or ():
         if seen.points is None or seen.link_a not in kept or seen.link_b not in kept:
             continue
@@ -193,8 +193,8 @@ def _closures(
         if axis is not None and kind is JointKind.BALL and float(np.linalg.norm(axis)) > _ONE_AXIS:
             kind = JointKind.REVOLUTE  # two points on one line are constrained
         point = shift[seen.link_a].inverse().apply(seen.points[0])
-        found.append(SkeletonClosure(seen.name, kind, seen.link_a, seen.link_b, point, axis))
-    return tuple(found)
+        closures.append(SkeletonClosure(seen.name, kind, seen.link_a, seen.link_b, point, axis))
+    return tuple(closures)
 
 
 def _is_of_closure(frame: str, description: Description) -> bool:

@@ -76,11 +76,11 @@ class Surfaces:
     def share(self, points: Array) -> float:
         """Share of points (n, 3) on faces, except those only in the bounding box of a spline or cone."""
         row, face, on = self._all.pairs(points)
-        found, unknown = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
-        found[row[on]] = True
+        near, unknown = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
+        near[row[on]] = True
         unknown[row[~on & ~self._all.known[face]]] = True
-        known = found | ~unknown
-        return float(found[known].mean()) if known.any() else 0.0
+        known = near | ~unknown
+        return float(near[known].mean()) if known.any() else 0.0
 
     def covered(self, part: int, points: Array) -> float:
         """Share of the known faces of a component with points (n, 3) on them; 0 if none is known."""

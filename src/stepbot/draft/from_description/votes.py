@@ -41,11 +41,11 @@ def translations(points: Array, vertices: Array) -> list[Array]:
     cells = np.rint(deltas / _SLIDE).astype(np.int64)
     _, first, counts = np.unique(_keys(cells), return_index=True, return_counts=True)
     best = np.argsort(-counts, kind="stable")[:_OFFERED]
-    found = []
+    shifts = []
     for cell in cells[first[best]]:
         near = np.abs(deltas - cell * _SLIDE).max(axis=1) < _SLIDE
-        found.append(np.median(deltas[near], axis=0))
-    return found
+        shifts.append(np.median(deltas[near], axis=0))
+    return shifts
 
 
 def _cylindrical(points: Array, axis: Axis) -> tuple[Array, Array, Array]:
@@ -79,10 +79,10 @@ def _alike(ours: Array, theirs: Array) -> tuple[Array, Array]:
 
 def _keys(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """One number for each row (n, 2) or (n, 3)."""
-    found = np.zeros(len(cells), dtype=np.int64)
+    keys = np.zeros(len(cells), dtype=np.int64)
     for column in cells.T:
-        found = (found << _BITS) + column + (1 << (_BITS - 1))
-    return found
+        keys = (keys << _BITS) + column + (1 << (_BITS - 1))
+    return keys
 
 
 def _peaks(values: Array, width: float) -> list[float]:

@@ -314,15 +314,15 @@ def guesses(
         carrier: For each of them the parts of the nearest other body.
     """
     volumes = {key: survey.total_volume(members) for key, members in free.items()}
-    found = {}
+    guesses = {}
     for key, members in free.items():
         beside = [other for other in free if other != key and set(carrier[other]) == set(carrier[key])]
         equal = [other for other in beside if _are_equal(free, volumes, key, other)]
         if equal and survey.total_volume(carrier[key]) > _LARGER * volumes[key] > 0.0:
             guess = _guess(survey, members, [free[other] for other in equal])
             if guess is not None:
-                found[key] = guess
-    return found
+                guesses[key] = guess
+    return guesses
 
 
 def _are_equal(free: Mapping[int, Sequence[int]], volumes: Mapping[int, float], one: int, two: int) -> bool:

@@ -295,7 +295,7 @@ class _Seams:
 
     def joints(self) -> list[JointEvidence]:
         """A joint for each of the best lines between two clusters, the likeliest first."""
-        found = []
+        joints = []
         for (one, two), seams in self._between.items():
             seams.sort(key=lambda s: (-round(s.radius, 6), s.gap, s.a, s.b))
             if len(seams) >= _STACKED and seams[_STACKED - 1].radius > seams[0].radius - _CIRCLE:
@@ -305,8 +305,8 @@ class _Seams:
             for n, seam in enumerate(seams[:_PER_PAIR]):
                 score = 0.5 + 0.2 * min(1.0, 2.5 * seam.radius / size) + 0.05 * (is_clear and n == 0)
                 score -= 0.1 * ((seam.gap > _FAR) + (seam.gap > _SEAM) + (n > 0))
-                found.append(self._joint(seam, min(0.74, score)))
-        return sorted(found, key=lambda h: (-round(h.score, 6), h.a, h.b))
+                joints.append(self._joint(seam, min(0.74, score)))
+        return sorted(joints, key=lambda h: (-round(h.score, 6), h.a, h.b))
 
     def _joint(self, seam: _Seam, score: float) -> JointEvidence:
         a, b = sorted((seam.a, seam.b))

@@ -60,15 +60,15 @@ def idle_motors(
     motors: Sequence[Motor], arcs: Sequence[TreeJoint], offered: Sequence[JointEvidence], welds: Sequence[Weld]
 ) -> dict[JointKey, str]:
     """Of each named motor that is held and turns nothing the likeliest refused joint: not all around it holds it."""
-    busy, found = {arc.evidence.motor for arc in arcs}, {}
+    busy, needed = {arc.evidence.motor for arc in arcs}, {}
     for motor in motors:
         holders = {i for w in welds if w.holds_motor and motor.case in (w.a, w.b) for i in (w.a, w.b)}
         refused = [h for h in offered if h.a == motor.case and h.drives and h.verdict == Verdict.REFUSED]
         own = [h for h in refused if h.b not in motor.parts and h.motor not in busy and holders - {h.a, h.b}]
         if motor.is_named and own:
             best = min(own, key=lambda h: (-round(h.score, 6), h.b))
-            found[best.a, best.b, str(best.type)] = REVIEW_IDLE
-    return found
+            needed[best.a, best.b, str(best.type)] = REVIEW_IDLE
+    return needed
 
 
 def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:

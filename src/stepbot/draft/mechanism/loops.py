@@ -91,11 +91,11 @@ def loop_motions(arcs: Sequence[TreeJoint]) -> dict[int, Motion]:
 
     The others only turn: otherwise a rod on two parallel pins could slide along both, which moves nothing else.
     """
-    found = {}
+    motions = {}
     for k in sorted({k for cycle in _cycles(arcs) for k in cycle if arcs[k].could_slide}):
         mobile = _mobility(arcs, _NULL, sliding=k)
-        found[k] = Motion((k, "turn") in mobile, (k, "slide") in mobile)
-    return found
+        motions[k] = Motion((k, "turn") in mobile, (k, "slide") in mobile)
+    return motions
 
 
 def locked_arcs(arcs: Sequence[TreeJoint]) -> set[int]:
@@ -109,7 +109,7 @@ def _mobility(arcs: Sequence[TreeJoint], tolerance: float, sliding: int = -1) ->
 
     Computed from the null space of all loop equations.
     """
-    found: set[tuple[int, str]] = set()
+    motions: set[tuple[int, str]] = set()
     for cycles in _independent(_cycles(arcs)):
         owners, columns = [], []
         for k in sorted({k for signs in cycles for k in signs}):
@@ -123,8 +123,8 @@ def _mobility(arcs: Sequence[TreeJoint], tolerance: float, sliding: int = -1) ->
         _, values, basis = np.linalg.svd(np.concatenate(rows), full_matrices=True)
         free = basis[int((values > tolerance * max(1.0, float(values[0]))).sum()) :]
         moves = np.linalg.norm(free, axis=0) > tolerance if len(free) else np.zeros(len(owners), dtype=bool)
-        found |= {owner for owner, mobile in zip(owners, moves, strict=True) if mobile}
-    return found
+        motions |= {owner for owner, mobile in zip(owners, moves, strict=True) if mobile}
+    return motions
 
 
 def _independent(cycles: Sequence[dict[int, float]]) -> list[list[dict[int, float]]]:
@@ -150,11 +150,11 @@ def _cycle(closure: TreeJoint, index: int, above: dict[int, tuple[int, int]]) ->
     """The arcs of the loop that a closure closes, with the direction in which each is traversed."""
 
     def path(link: int) -> list[int]:
-        found = []
+        arcs = []
         while link in above:
             link, k = above[link]
-            found.append(k)
-        return found
+            arcs.append(k)
+        return arcs
 
     up, down = path(closure.parent), path(closure.child)
     common = set(up) & set(down)

@@ -72,7 +72,7 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
         if h.type == JointKind.REVOLUTE:
             turning[h.a].append(h)
             turning[h.b].append(h)
-    found: dict[Pair, str] = {}
+    reviews: dict[Pair, str] = {}
     held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
     for root, members in made.clusters.groups().items():
         # What is around the output of a motor in it, such as a plate with a hole for the shaft, is no side of a pivot.
@@ -82,33 +82,33 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
         between = [
             pair for sides in pivots if (pair := sides.between_lopsided()) and not sides.share_line(made, turning)
         ]
-        found |= dict.fromkeys(between, _REVIEW)
+        reviews |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:
             below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
-            found |= dict.fromkeys(below, _REVIEW_STAND)
+            reviews |= dict.fromkeys(below, _REVIEW_STAND)
             ends = [pair for sides in pivots if (pair := sides.below_flange()) is not None]
-            found |= dict.fromkeys(ends, _REVIEW_FLANGE)
+            reviews |= dict.fromkeys(ends, _REVIEW_FLANGE)
     hinges = {(h.a, h.b): h for h in made.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
-    return {(*pair, str(hinges[pair].type)): review for pair, review in found.items() if pair in hinges}
+    return {(*pair, str(hinges[pair].type)): review for pair, review in reviews.items() if pair in hinges}
 
 
 def _ties(made: Decision) -> dict[int, list[tuple[int, int]]]:
     """For each cluster its pairs of parts that are welded, or that one screw fits in."""
-    found: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    ties: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for weld in made.evidence.welds:
         if weld.verdict == Verdict.TAKEN:
-            found[made.clusters.find(weld.a)].append((weld.a, weld.b))
+            ties[made.clusters.find(weld.a)].append((weld.a, weld.b))
     for screw in made.survey.small:
         hosts = [other for other, r in made.survey.around(screw) if r.fits]
         for a, b in pairwise(hosts):
             if made.clusters.find(a) == made.clusters.find(b):
-                found[made.clusters.find(a)].append((a, b))
-    return found
+                ties[made.clusters.find(a)].append((a, b))
+    return ties
 
 
 def _pivots(survey: Survey, structure: Structure, held: set[Pair], members: Sequence[int]) -> Iterator[_Pivot]:
     """The axes that parts of a cluster touch each other about, where neither a screw clamps nor a weld holds them."""
-    inside, found = set(members), list[_Pivot]()
+    inside, pivots = set(members), list[_Pivot]()
     for i in members:
         for r in survey.near.get(i, ()):
             axis = r.turns
@@ -116,12 +116,12 @@ def _pivots(survey: Survey, structure: Structure, held: set[Pair], members: Sequ
             is_within &= (r.a, r.b) not in held
             if not is_within or r.via not in _PIVOTS or axis is None or not all(fit.full for fit in r.shafts):
                 continue
-            same = next((pivot for pivot in found if pivot.axis.same(axis)), None)
+            same = next((pivot for pivot in pivots if pivot.axis.same(axis)), None)
             if same is None:
-                found.append(_Pivot(axis, [r]))
+                pivots.append(_Pivot(axis, [r]))
             else:
                 same.relations.append(r)
-    return (pivot for pivot in found if not survey.has_screw_at(pivot.axis))
+    return (pivot for pivot in pivots if not survey.has_screw_at(pivot.axis))
 
 
 class _Sides:

@@ -182,13 +182,13 @@ class LooseEnds:
         return is_group and len(members) > 1 and volume > _GROUP * self._survey.volume
 
     def _roles(self, members: Iterable[int]) -> set[Role]:
-        found = {role for i in members for role in self._survey.parts[i].roles}
-        return found.union(*(self._structure.names(i) for i in members))
+        roles = {role for i in members for role in self._survey.parts[i].roles}
+        return roles.union(*(self._structure.names(i) for i in members))
 
     def _nearest_cluster(self, members: Sequence[int], root: int) -> int:
         part = nearest(self._survey, members)
-        found = self._clusters.find(part) if part is not None else root
-        return root if found == self._clusters.find(members[0]) else found
+        cluster = self._clusters.find(part) if part is not None else root
+        return root if cluster == self._clusters.find(members[0]) else cluster
 
     def _gap(self, one: Sequence[int], two: Sequence[int]) -> float:
         return box_gap(self._survey.box_of(one), self._survey.box_of(two))
@@ -335,11 +335,11 @@ def _is_base_by_name(survey: Survey, structure: Structure, members: Sequence[int
 
 def _roles_above(survey: Survey, part: int) -> set[Role]:
     """The roles in the names of a part and of all subassemblies that it is in."""
-    found, node = {*survey.parts[part].roles}, survey.assembly.components[part].parent
+    roles, node = {*survey.parts[part].roles}, survey.assembly.components[part].parent
     while node > 0:
-        found |= survey.node_roles(node)
+        roles |= survey.node_roles(node)
         node = survey.assembly.components[node].parent
-    return found
+    return roles
 
 
 def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, dict[int, float]]:
@@ -348,8 +348,8 @@ def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, d
     If no flat side is clearly the largest: z, and no shares. What is no candidate for the root, such as a foot that
     nothing holds, counts for the cluster next to it.
     """
-    found = grounds(made.survey.assembly)
-    totals = {up: exact_sum(shares.values()) for up, shares in found.items()}
+    ground = grounds(made.survey.assembly)
+    totals = {up: exact_sum(shares.values()) for up, shares in ground.items()}
     up = max(totals, key=lambda one: totals[one], default=None)
     if (
         up is None
@@ -358,7 +358,7 @@ def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, d
     ):
         return "z", {}
     stands: dict[int, list[float]] = defaultdict(list)
-    for i, share in found[up].items():
+    for i, share in ground[up].items():
         home = made.clusters.find(i)
         if home not in candidates:
             part = nearest(made.survey, made.clusters.members(home))

@@ -73,5 +73,5 @@ class Clusters:
 
     def groups(self) -> dict[int, list[int]]:
         """All sets by their representatives, in the order of their first members."""
-        found = {root: sorted(members) for root, members in self._members.items()}
-        return dict(sorted(found.items(), key=lambda item: item[1][0]))
+        groups = {root: sorted(members) for root, members in self._members.items()}
+        return dict(sorted(groups.items(), key=lambda item: item[1][0]))

@@ -90,25 +90,25 @@ class EqualParts:
         return self._resolved[group[0]][body]
 
     def _resolve(self, group: Sequence[int]) -> dict[int, tuple[int, list[Pose]]]:
-        found: dict[int, tuple[int, list[Pose]]] = {}
+        kinds: dict[int, tuple[int, list[Pose]]] = {}
         first: list[int] = []
         if len(group) > _MOST:
             self._cut[f"more than {_MOST} products of one volume were not compared"] = None
             return {body: (body, [IDENTITY]) for body in group}
         for body in group:
             carried = ((one, self._between(one, body)) for one in first)
-            found[body] = next(((one, maps) for one, maps in carried if maps), (body, [IDENTITY]))
-            if found[body][0] == body:
+            kinds[body] = next(((one, maps) for one, maps in carried if maps), (body, [IDENTITY]))
+            if kinds[body][0] == body:
                 first.append(body)
-        return found
+        return kinds
 
     @cached_property
     def _occurrences(self) -> dict[int, list[int]]:
         """The parts with each body, in file order."""
-        found: dict[int, list[int]] = defaultdict(list)
+        occurrences: dict[int, list[int]] = defaultdict(list)
         for part in self._scene.parts:
-            found[self._scene.component(part).body].append(part)
-        return found
+            occurrences[self._scene.component(part).body].append(part)
+        return occurrences
 
     @cached_property
     def _groups(self) -> dict[int, list[int]]:
@@ -138,13 +138,13 @@ class EqualParts:
     def _between(self, one: int, two: int) -> list[Pose]:
         """Transforms from the frame of one body to that of an equal one, reflections last."""
         mine, theirs = (self._shape(body) for body in (one, two))
-        found: list[Pose] = []
+        poses: list[Pose] = []
         for R in _turns(mine, theirs):
             M = Pose.of(R, theirs.com - rotated(R, mine.com))
-            is_new = not any(np.abs(M.matrix - known.matrix).max() < _FACES for known in found)
+            is_new = not any(np.abs(M.matrix - known.matrix).max() < _FACES for known in poses)
             if is_new and (mine.is_round or not _is_reflection(R)) and _is_at(mine, theirs, R):
-                found.append(M)
-        return sorted(found, key=lambda M: _is_reflection(M.R))
+                poses.append(M)
+        return sorted(poses, key=lambda M: _is_reflection(M.R))
 
     def _shape(self, body: int) -> "_Shape":
         if body not in self._shapes:
@@ -185,11 +185,11 @@ class _Shape(Struct, frozen=True, eq=False, dict=True):
         """The places of faces that are like one of another shape, as far from the centroid; each once."""
         alike = np.abs(self.far - other.far[row]) < _FACES
         alike &= np.abs(self.labels - other.labels[row]) < _FACES
-        found: list[Array] = []
+        places: list[Array] = []
         for place in self.places[alike]:
-            if len(found) < _MOST_ALIKE and not any(np.abs(place - known).max() < _FACES for known in found):
-                found.append(place)
-        return found
+            if len(places) < _MOST_ALIKE and not any(np.abs(place - known).max() < _FACES for known in places):
+                places.append(place)
+        return places
 
 
 def _shape(body: Body) -> _Shape:

@@ -106,17 +106,17 @@ def roles(name: str) -> tuple[Role, ...]:
     """All roles that a name indicates, those from a standard first."""
     text = plain(name)
     patterns = _patterns()
-    found = [role for role, pattern in patterns.standards if pattern.search(text)]
-    found += [role for role, pattern in patterns.words if pattern.search(text)]
-    if Role.MOTOR in found and patterns.mount.search(text) and not _SOLID_OF_MOTOR.search(text):
-        found.remove(Role.MOTOR)
-    if Role.WHEEL in found and patterns.held.search(text):
-        found.remove(Role.WHEEL)
-    if Role.BASE in found and patterns.carried.search(text):
-        found.remove(Role.BASE)
-    if Role.FASTENER in found and is_drive(name):
-        found = [Role.SLIDE if role == Role.FASTENER else role for role in found]
-    return tuple(dict.fromkeys(found))
+    matching = [role for role, pattern in patterns.standards if pattern.search(text)]
+    matching += [role for role, pattern in patterns.words if pattern.search(text)]
+    if Role.MOTOR in matching and patterns.mount.search(text) and not _SOLID_OF_MOTOR.search(text):
+        matching.remove(Role.MOTOR)
+    if Role.WHEEL in matching and patterns.held.search(text):
+        matching.remove(Role.WHEEL)
+    if Role.BASE in matching and patterns.carried.search(text):
+        matching.remove(Role.BASE)
+    if Role.FASTENER in matching and is_drive(name):
+        matching = [Role.SLIDE if role == Role.FASTENER else role for role in matching]
+    return tuple(dict.fromkeys(matching))
 
 
 def is_belt(name: str) -> bool:

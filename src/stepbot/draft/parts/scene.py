@@ -162,12 +162,12 @@ class Scene:
     @cached_property
     def boxes(self) -> dict[int, Array]:
         """Bounding box (2, 3) [m] of each part in the assembly; parts without extent are left out."""
-        found = {}
+        boxes = {}
         for part in self.parts:
             low, high = self._corners(part)
             if len(low):
-                found[part] = np.array([low.min(axis=0), high.max(axis=0)])
-        return found
+                boxes[part] = np.array([low.min(axis=0), high.max(axis=0)])
+        return boxes
 
     def face_boxes(self, part: int) -> Array:
         """Bounding boxes (n, 2, 3) [m] of the faces of a part in the assembly."""

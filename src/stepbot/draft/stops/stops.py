@@ -112,13 +112,13 @@ def _stops(question: Question, share: int) -> Stops:
         skipped |= left
     # A pair that leaves the joint no motion at all is a fit with play, and no stop.
     fits = {pair for pair, way in both[1.0].items() if way + both[-1.0].get(pair, np.inf) < least}
-    found = []
+    stops = []
     for sign, ways in both.items():
         free = [(way, *pair) for pair, way in ways.items() if touching < way < np.inf and pair not in fits]
         if free:
             way, a, b = min(free)
-            found.append(Stop(sign * way, a, b))
-    return Stops(tuple(found), len(skipped))
+            stops.append(Stop(sign * way, a, b))
+    return Stops(tuple(stops), len(skipped))
 
 
 def _placed(question: Question, shapes: Sequence[Shape]) -> Placed:
@@ -210,10 +210,10 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     members = {link.name: link.components for link in draft.links}
     asked = [joint for joint in draft.joints if _is_open(joint)]
     shapes, paths = Shapes(assembly), [component.path for component in assembly.components]
-    found = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
+    answers = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
     stopped = {
         joint.name: _stopped(replace(joint, stops=_named(stops.found, joint, paths), stops_skipped=stops.skipped))
-        for joint, stops in zip(asked, found, strict=True)
+        for joint, stops in zip(asked, answers, strict=True)
     }
     return replace(draft, joints=tuple(stopped.get(joint.name, joint) for joint in draft.joints))
 

@@ -156,12 +156,12 @@ def touched(places: Array, triangles: Triangles, i: Indices, j: Indices) -> NDAr
 def _shortest(
     ways: Callable[..., Array], places: Array, points: Array, triangles: Triangles, sign: float, most: float
 ) -> float:
-    best, found = most, False
+    best, touched = most, False
     for i, j in _candidates(places, triangles):
         way = float(ways(points, triangles, i, j, sign, best).min())
         if way <= best:
-            best, found = way, way < np.inf
-    return best if found else np.inf
+            best, touched = way, way < np.inf
+    return best if touched else np.inf
 
 
 def _candidates(places: Array, triangles: Triangles) -> Iterator[tuple[Indices, Indices]]:
@@ -282,12 +282,12 @@ class Sides(Struct, frozen=True, eq=False, dict=True):
 
     def counts_near(self, others: "Sides") -> Indices:
         """Shape (m, k): for each of the other parts, how many triangles of each of these can meet some of its."""
-        found = np.zeros((len(others.parts), len(self.parts)), dtype=np.int64)
+        counts = np.zeros((len(others.parts), len(self.parts)), dtype=np.int64)
         rows = max(1, _CHUNK // max(1, len(self.low)))
-        for start in range(0, len(found) if len(self.low) else 0, rows):
+        for start in range(0, len(counts) if len(self.low) else 0, rows):
             near = _within(self.low, self.high, others.bounds[start : start + rows, :, :, None])
-            found[start : start + rows] = np.add.reduceat(near, self.starts, axis=1, dtype=np.int64)
-        return found
+            counts[start : start + rows] = np.add.reduceat(near, self.starts, axis=1, dtype=np.int64)
+        return counts
 
     def near(self, rows: Indices, others: "Sides", other_rows: Indices) -> tuple[Indices, Indices]:
         """For p pairs of parts, by their rows (p,) here and there, the triangles here that can meet some of the other.
@@ -296,7 +296,7 @@ class Sides(Struct, frozen=True, eq=False, dict=True):
             Numbers of pairs, ascending, and of triangles, each (q,).
         """
         sizes = np.diff(np.append(self.starts, len(self.low)))[rows]
-        found = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))]
+        hits = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))]
         # Parts with many triangles are in many pairs: not all of them at once.
         for some in chunks(sizes):
             runs, offsets = expanded(sizes[some])
@@ -304,8 +304,8 @@ class Sides(Struct, frozen=True, eq=False, dict=True):
             triangles = self.starts[rows[pairs]] + offsets
             bounds = np.moveaxis(others.bounds[other_rows[pairs]], 0, -1)
             near = _within(self.low[triangles], self.high[triangles], bounds)
-            found.append((pairs[near], triangles[near]))
-        return np.concatenate([pairs for pairs, _ in found]), np.concatenate([triangles for _, triangles in found])
+            hits.append((pairs[near], triangles[near]))
+        return np.concatenate([pairs for pairs, _ in hits]), np.concatenate([triangles for _, triangles in hits])
 
 
 def meeting(

@@ -70,7 +70,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         )
         lines += [f"  # {scalar(name)}: {flow([('parts', listed([one.moving]))])}" for one, name in fused]
         lines += _more(len(draft.fused) - len(fused))
-    of_parts = [(part, *one) for (_, part), found in proposed.items() if part for one in found]
+    of_parts = [(part, *one) for (_, part), joints in proposed.items() if part for one in joints]
     own = [f"  {quoted(path)}: {{ignore: true}}  # frames of joints" for path in draft.markers]
     own += [f"  {quoted(part)}: {{contact: {material}}}  {why}" for part, material, why in of_parts]
     lines += ["", "parts:", *own] if own else []
@@ -188,14 +188,14 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
     ]
     stated: set[Models] = set()
     for name, joint in driven:
-        key, found = scalar(f"{name.removesuffix('_joint')}_motor"), joint.models
-        if found is None:
+        key, fitted_models = scalar(f"{name.removesuffix('_joint')}_motor"), joint.models
+        if fitted_models is None:
             lines.append(f"#   {key}: {flow([('joint', scalar(name)), ('kind', 'position'), ('gains', 'auto')])}")
             continue
-        model = scalar(found.family or found.names[0])
-        several = f"; one of {', '.join(found.names)}" if len(found.names) > 1 else ""
-        review = f"{one_line(found.why)}{several}" if found not in stated else "as above"
-        stated.add(found)
+        model = scalar(fitted_models.family or fitted_models.names[0])
+        several = f"; one of {', '.join(fitted_models.names)}" if len(fitted_models.names) > 1 else ""
+        review = f"{one_line(fitted_models.why)}{several}" if fitted_models not in stated else "as above"
+        stated.add(fitted_models)
         keys = [("joint", scalar(name)), ("motor", model), ("part", quoted(joint.motor))]
         lines.append(f"#   {key}: {flow(keys)}  # REVIEW: {review}")
     return lines
@@ -252,13 +252,13 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
 
 def _contacts(draft: Draft) -> dict[tuple[str, str], list[tuple[str, str]]]:
     """By link and part, a material, and a comment: its friction and the reason beside the first of several."""
-    found: dict[tuple[str, str], list[tuple[str, str]]] = {}
+    pairs: dict[tuple[str, str], list[tuple[str, str]]] = {}
     stated: set[str] = set()
     for one in draft.contacts:
         review = f"REVIEW: {one.why}; friction {number(MATERIALS[one.material].sliding)}"
-        found[one.link, one.part] = [(one.material, f"# {review if one.why not in stated else 'as above'}")]
+        pairs[one.link, one.part] = [(one.material, f"# {review if one.why not in stated else 'as above'}")]
         stated.add(one.why)
-    return found
+    return pairs
 
 
 def _parts(paths: Sequence[str]) -> list[str]:
@@ -272,8 +272,8 @@ def _more(count: int) -> list[str]:
 
 
 def _offered(offered: Iterable[Alternative]) -> list[str]:
-    found = list(offered)
-    shown = found[:_OFFERED]
+    distinct = list(offered)
+    shown = distinct[:_OFFERED]
     if not shown:
         return []
     lines = [
@@ -285,7 +285,7 @@ def _offered(offered: Iterable[Alternative]) -> list[str]:
         lines += comment(f"  {one.type}, score {one.confidence.score:.2f}, of {between}: {facts}")
         if one.type is not JointKind.FIXED and one.point is not None:
             lines += [f"#     origin: {alternative_origin(one.point, one.direction)}"]
-    return [*lines, *_more(len(found) - len(shown))]
+    return [*lines, *_more(len(distinct) - len(shown))]
 
 
 def relative_step(step: Path, sidecar: Path) -> str:

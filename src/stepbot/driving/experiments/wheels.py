@@ -72,7 +72,7 @@ def _spins(
         velocity: Velocity (3,) [m/s] of the base at a place (3,) [m], where a wheel is in the world.
     """
     assert stage.wheels is not None
-    robot, wheels, found = stage.mechanism.robot, stage.wheels, {}
+    robot, wheels, speeds = stage.mechanism.robot, stage.wheels, {}
     fastest, slowest = 0.0, inf
     ahead = np.array(wheels.direction)
     for index, (wheel, where) in enumerate(zip(wheels.wheels, _places(stage, simulation), strict=True)):
@@ -87,12 +87,12 @@ def _spins(
             tilts = (np.arange(_TILTS) + 0.5) * (pi / len(joints) / _TILTS)
             ways = way + float(across @ wanted) / (lean * np.cos(tilts))
             way = 1.0 / float(np.mean(1.0 / ways)) if np.all(ways * ways[0] > 0.0) else float(ways[0])
-        found[wheel.motor] = wheel.forwards * way / float(where[2])
+        speeds[wheel.motor] = wheel.forwards * way / float(where[2])
         fastest = max(fastest, abs(way))
         if way:
             slowest = min(slowest, _SHARE * stage.motor(wheel.motor).limit.velocity * float(where[2]) / abs(way))
     scale = min(_SPEED / fastest, slowest)
-    return {motor: scale * spin for motor, spin in found.items()}, scale
+    return {motor: scale * spin for motor, spin in speeds.items()}, scale
 
 
 class _Turned:

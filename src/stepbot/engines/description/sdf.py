@@ -97,8 +97,8 @@ def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
             parts: tuple[tuple[TriMesh | Primitive, Rgba | None], ...] = ()
             if mesh is not None:
                 parts = files.parts(uri, three_at(mesh, "scale", "1 1 1"), rgba, whole=collides)
-            elif geometry is not None and (found := _geometry(geometry)) is not None:
-                parts = ((found, rgba),)
+            elif geometry is not None and (solid := _geometry(geometry)) is not None:
+                parts = ((solid, rgba),)
             surface = surface_of(shape)
             of_mesh = next((a for tag, a in _AS_MESHES if shape.find(tag) is not None), "")
             for piece, (part, color) in enumerate(parts):

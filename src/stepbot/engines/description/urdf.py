@@ -114,10 +114,10 @@ def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -
                 parts = () if primitive is None else ((primitive, rgba),)
             else:
                 parts = files.parts(uri, _numbers(mesh.get("scale"), (1.0, 1.0, 1.0)), rgba, whole=collides)
-            for piece, (found, color) in enumerate(parts):
+            for piece, (solid, color) in enumerate(parts):
                 surface = _surface(link) if collides else PLAIN
                 yield DescribedShape(
-                    _name(link), name, found, _origin(shape), color, collides, surface, uri, piece=piece
+                    _name(link), name, solid, _origin(shape), color, collides, surface, uri, piece=piece
                 )
 
 

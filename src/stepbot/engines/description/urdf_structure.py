@@ -173,13 +173,13 @@ def _once(element: Element, *tags: str) -> None:
 
 
 def _names(elements: list[Element]) -> set[str]:
-    found: set[str] = set()
+    names: set[str] = set()
     for element in elements:
         name = _need(element, "name")
-        if name in found:
+        if name in names:
             raise _refused(element, f"duplicate {element.tag} '{name}'")
-        found.add(name)
-    return found
+        names.add(name)
+    return names
 
 
 def _need(element: Element, attribute: str) -> str:

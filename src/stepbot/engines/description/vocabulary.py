@@ -68,7 +68,7 @@ class Vocabulary(Struct, frozen=True):
                 attributes.setdefault(f"{path}>{tag}", {}).setdefault(name, []).append(line)
             else:
                 elements.setdefault((path, tag), []).append(line)
-        found = [
+        unread = [
             Unread(
                 f"<{tag}> in <{_last(path)}>",
                 len(lines),
@@ -87,8 +87,8 @@ class Vocabulary(Struct, frozen=True):
             effects = dict.fromkeys(filter(None, (self._effect(f"{path}@{name}") for name in by_name)))
             known = f"{self.read[path]} {self.holders.get(tag, '')}".split()
             help = dict.fromkeys(text for name in by_name for text in self._meant(name, known))
-            found.append(Unread(what, len(lines), lines[0], file, "; ".join(effects), tuple(help)))
-        return tuple(sorted(found, key=lambda one: one.line))
+            unread.append(Unread(what, len(lines), lines[0], file, "; ".join(effects), tuple(help)))
+        return tuple(sorted(unread, key=lambda one: one.line))
 
     def _lost(self, element: Element, path: str) -> Iterator[tuple[str, str, str, int]]:
         """For each loss the path, the tag, the attribute or nothing, and the line."""

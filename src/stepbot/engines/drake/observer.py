@@ -302,14 +302,17 @@ def _springs(built: Built) -> dict[str, tuple[float, float]]:
     """Stiffness and rest position of every joint that has a spring."""
     from pydrake.multibody.tree import ForceElementIndex, PrismaticSpring, RevoluteSpring
 
-    found = {}
+    springs = {}
     for index in range(built.plant.num_force_elements()):
         element = built.plant.get_force_element(ForceElementIndex(index))
         if isinstance(element, RevoluteSpring):
-            found[element.joint().name()] = (float(element.default_stiffness()), float(element.default_nominal_angle()))
+            springs[element.joint().name()] = (
+                float(element.default_stiffness()),
+                float(element.default_nominal_angle()),
+            )
         elif isinstance(element, PrismaticSpring):
-            found[element.joint().name()] = (float(element.stiffness()), float(element.nominal_position()))
-    return found
+            springs[element.joint().name()] = (float(element.stiffness()), float(element.nominal_position()))
+    return springs
 
 
 def _joint(

@@ -148,12 +148,12 @@ def build(
 
 def _packages(path: Path) -> dict[str, Path]:
     """Folders of the packages that a description refers to, as :func:`resolve` finds them."""
-    found: dict[str, Path] = {}
+    packages: dict[str, Path] = {}
     for name, rest in _URI.findall(path.read_text(encoding="utf-8", errors="replace")):
-        file = None if name in found else resolve(f"package://{name}/{rest}", path)
+        file = None if name in packages else resolve(f"package://{name}/{rest}", path)
         if file is not None:
-            found[name] = file.absolute().parents[len(Path(rest).parts) - 1]
-    return found
+            packages[name] = file.absolute().parents[len(Path(rest).parts) - 1]
+    return packages
 
 
 def _joints_of(plant: Any) -> list[Any]:
@@ -314,8 +314,10 @@ def _back_at(built: Built, request: Request, q: Mapping[str, float]) -> float:
     """The least distance [rad] or [m] from a solution at which Drake's solver comes to rest next to it."""
     distances: list[float] = []
     for nudge in NUDGES:
-        found = _closed(built, request, q, nudge)
-        distances.append(max((abs(found[name] - q[name]) for name in found if name not in request.driven), default=0.0))
+        q_closed = _closed(built, request, q, nudge)
+        distances.append(
+            max((abs(q_closed[name] - q[name]) for name in q_closed if name not in request.driven), default=0.0)
+        )
         if distances[-1] <= BACK:
             break
     return min(distances)

@@ -218,8 +218,8 @@ def _reason(error: BaseException) -> str:
         return f"{error.msg} {suffix}".strip()
     own = " ".join(str(part) for part in error.args if part is not None)
     if isinstance(inner, BaseException):
-        found = _reason(inner)
-        own = found if own.startswith("<class") else f"{own} {found}".strip()
+        reason = _reason(inner)
+        own = reason if own.startswith("<class") else f"{own} {reason}".strip()
     if isinstance(error, OSError):
         own = f"'{error.filename}': {error.strerror}" if error.filename else str(error.strerror or error)
     return f"{own or type(error).__name__} {suffix}".strip()

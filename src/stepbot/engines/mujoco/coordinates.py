@@ -123,7 +123,7 @@ class Gimbals:
 
 def _rows(compiled: "NamedModel", data: Any) -> list[tuple[int, int, int]]:
     """Every series of three hinges with intersecting axes and nearly massless bodies in between that is not locked."""
-    found = []
+    rows = []
     for last in range(compiled.model.njnt):
         middle = _before(compiled, last)
         first = None if middle is None else _before(compiled, middle)
@@ -133,8 +133,8 @@ def _rows(compiled: "NamedModel", data: Any) -> list[tuple[int, int, int]]:
         anchors, axes = np.array(data.xanchor)[list(row)], np.array(data.xaxis)[list(row)]
         meet = float(np.abs(anchors - anchors[0]).max()) < _SAME_PLACE
         if meet and abs(float(np.linalg.det(axes))) >= NEAR_LOCK:
-            found.append(row)
-    return found
+            rows.append(row)
+    return rows
 
 
 def _before(compiled: "NamedModel", joint: int) -> int | None:

@@ -124,7 +124,7 @@ def _roots(path: Path, main: str = "") -> list[_Root]:
     Raises:
         EngineRefused: One is not XML.
     """
-    pending, found = [(main, "mujoco")], list[_Root]()
+    pending, roots = [(main, "mujoco")], list[_Root]()
     folder = Path(main).parent
     while pending:
         name, at = pending.pop(0)
@@ -132,11 +132,11 @@ def _roots(path: Path, main: str = "") -> list[_Root]:
             root = xml_root(path.parent / name if name else path)
         except (EngineRefused, OSError) as error:
             raise EngineRefused(f"{name or path.name}: {error}") from error
-        found.append((root, name, at))
-        known = {one for _, one, _ in found}
+        roots.append((root, name, at))
+        known = {one for _, one, _ in roots}
         includes = (((folder / one.get("file", "")).as_posix(), MJCF.path_of(one, at)) for one in root.iter("include"))
         pending += [one for one in includes if one[0] not in known]
-    return found
+    return roots
 
 
 def _attached(path: Path, roots: Iterable[_Root]) -> list[tuple[Path, list[_Root]]]:
@@ -145,15 +145,15 @@ def _attached(path: Path, roots: Iterable[_Root]) -> list[tuple[Path, list[_Root
     Raises:
         EngineRefused: One is not XML.
     """
-    pending, found = [("", [*roots])], dict[str, list[_Root]]()
+    pending, attached = [("", [*roots])], dict[str, list[_Root]]()
     while pending:
         main, some = pending.pop(0)
         named = (model.get("file", "") for root, *_ in some for model in root.iter("model"))
         for name in ((Path(main).parent / one).as_posix() for one in named if one):
-            if name not in found and len(found) < _MOST_MODELS:
-                found[name] = _roots(path, name)
-                pending.append((name, found[name]))
-    return [(path.parent / name, some) for name, some in found.items()]
+            if name not in attached and len(attached) < _MOST_MODELS:
+                attached[name] = _roots(path, name)
+                pending.append((name, attached[name]))
+    return [(path.parent / name, some) for name, some in attached.items()]
 
 
 def _mesh_folders(main: Path, roots: Iterable[_Root]) -> list[Path]:
@@ -218,15 +218,15 @@ def _endless(compiled: Compiled) -> Iterator[Unread]:
     """Planes and height fields of bodies; those of the world are no part of a robot."""
     kinds = compiled.engine.mjtGeom
     for kind, words in ((kinds.mjGEOM_PLANE, "planes"), (kinds.mjGEOM_HFIELD, "height fields")):
-        found = [
+        endless = [
             compiled.name("BODY", b)
             for b in compiled.bodies
             if b
             for g in geoms(compiled, b)
             if compiled.model.geom_type[g] == kind
         ]
-        if found:
-            yield Unread(f"{words} in <body>", len(found), 0, effect=f"of {', '.join(found)}")
+        if endless:
+            yield Unread(f"{words} in <body>", len(endless), 0, effect=f"of {', '.join(endless)}")
 
 
 def _forced(compiled: Compiled) -> Iterator[Unread]:

@@ -65,17 +65,17 @@ class NamedModel(Struct, frozen=True, dict=True):
 
         The relations are converted from MuJoCo's reference positions to q = 0.
         """
-        found = dict[int, tuple[Mimic, int]]()
+        couplings = dict[int, tuple[Mimic, int]]()
         for e, (factors, constant) in self.relations.items():
             if len(factors) != 2:
                 continue
-            follower = next((one for one in _followers(self, factors, e) if one not in found), None)
+            follower = next((one for one in _followers(self, factors, e) if one not in couplings), None)
             if follower is not None:
                 leader = next(one for one in factors if one != follower)
                 factor = factors[follower]
                 mimic = Mimic(self.name("JOINT", leader), -factors[leader] / factor, constant / factor)
-                found[follower] = mimic, e
-        return found
+                couplings[follower] = mimic, e
+        return couplings
 
     @cached_property
     def relations(self) -> dict[int, tuple[dict[int, float], float]]:
@@ -84,12 +84,12 @@ class NamedModel(Struct, frozen=True, dict=True):
         There are no factors for tendons that are not fixed.
         """
         kinds, model = self.engine.mjtEq, self.model
-        found = {}
+        relations = {}
         for kind, read in ((kinds.mjEQ_JOINT, _of_joints), (kinds.mjEQ_TENDON, _of_tendons)):
             for e in np.flatnonzero((model.eq_type == int(kind)) & (model.eq_active0 != 0)).tolist():
                 if not np.any(model.eq_data[e][2:5]):
-                    found[e] = read(self, e)
-        return found
+                    relations[e] = read(self, e)
+        return relations
 
 
 def _followers(compiled: NamedModel, factors: Mapping[int, float], equality: int) -> list[int]:

@@ -96,9 +96,9 @@ def _closures_in_file(compiled: "Compiled") -> Iterator[ObservedClosure]:
 
     A closure whose axis is constrained by a second constraint is reported as one.
     """
-    found = {closure.name: closure for closure in _constraints(compiled)}
-    for closure in found.values():
-        held, on_axis = found.get(closure.name.removesuffix(AXIS)), found.get(f"{closure.name}{AXIS}")
+    in_file = {closure.name: closure for closure in _constraints(compiled)}
+    for closure in in_file.values():
+        held, on_axis = in_file.get(closure.name.removesuffix(AXIS)), in_file.get(f"{closure.name}{AXIS}")
         if closure.name.endswith(AXIS) and held is not None and _links(held) == _links(closure):
             continue
         if closure.points is not None and on_axis is not None and on_axis.points is not None:

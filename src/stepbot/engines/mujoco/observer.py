@@ -212,11 +212,11 @@ def _urdf_spec(engine: Any, path: Path, substitutes: MeshSubstitutes) -> Any:
     top = xml_root(path)
     assets: dict[str, bytes] = {}
     for mesh in top.iter("mesh"):
-        found = resolve(mesh.get("filename", ""), path)
-        if found is None:
+        mesh_file = resolve(mesh.get("filename", ""), path)
+        if mesh_file is None:
             continue
-        content = substitutes.of(found)
-        name = f"{found.absolute().as_posix()}{'' if content is None else '.obj'}"
+        content = substitutes.of(mesh_file)
+        name = f"{mesh_file.absolute().as_posix()}{'' if content is None else '.obj'}"
         if content is not None:
             assets[name] = content
         mesh.set("filename", name)

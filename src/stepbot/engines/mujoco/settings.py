@@ -136,7 +136,7 @@ def _all(compiled: Compiled) -> Iterator[tuple[str, tuple[float, ...]]]:
 
 def _equalities(compiled: Compiled) -> list[str]:
     """What constraints are called: their names, or what they relate, whatever their order."""
-    model, found, seen = compiled.model, list[str](), Counter[str]()
+    model, lines, seen = compiled.model, list[str](), Counter[str]()
     for index in range(model.neq):
         kind = int(model.eq_objtype[index])
         ends = [int(one) for one in (model.eq_obj1id[index], model.eq_obj2id[index]) if one >= 0]
@@ -144,8 +144,8 @@ def _equalities(compiled: Compiled) -> list[str]:
         name = compiled.engine.mj_id2name(model, compiled.engine.mjtObj.mjOBJ_EQUALITY, index)
         called = repr(name) if name else " ".join(map(repr, names))
         seen[called] += 1
-        found.append(called if seen[called] == 1 else f"{called} {seen[called]}")
-    return found
+        lines.append(called if seen[called] == 1 else f"{called} {seen[called]}")
+    return lines
 
 
 def _numbers(value: object) -> tuple[float, ...]:

@@ -208,13 +208,13 @@ class MujocoSimulation:
         probe = self._probe
         self.model.geom_size[probe] = 0.0
         self.data.geom_xpos[probe] = point
-        found, near = most, point
+        least, near = most, point
         ends = np.zeros(6)
         for geom in geoms:
-            distance = float(self._engine.mj_geomDistance(self.model, self.data, probe, geom, found, ends))
-            if distance < found:
-                found, near = distance, ends[3:].copy()
-        return found, near
+            distance = float(self._engine.mj_geomDistance(self.model, self.data, probe, geom, least, ends))
+            if distance < least:
+                least, near = distance, ends[3:].copy()
+        return least, near
 
     def energy(self) -> tuple[float, float]:  # noqa: D102
         # A step leaves the poses of its start: potential and kinetic energy are to be of the same instant.

@@ -161,15 +161,15 @@ class _Loaded(Struct, frozen=True, dict=True):
     @cached_property
     def columns(self) -> dict[str, int]:
         """For each coordinate, its index among the velocities; balls have three."""
-        found: dict[str, int] = {}
+        columns: dict[str, int] = {}
         for i in self.tree:
             name, start = self.named(self.builder.joint_label[i]), self.builder.joint_qd_start[i]
             if self.kind(i) == JointKind.BALL:
                 names = self.request.balls.get(name, ())
-                found |= {one: start + number for number, one in enumerate(names)}
+                columns |= {one: start + number for number, one in enumerate(names)}
             elif self.kind(i) != JointKind.FIXED:
-                found[name] = start
-        return found
+                columns[name] = start
+        return columns
 
     def link(self, i: int) -> ObservedLink:
         model = self.model

@@ -142,13 +142,13 @@ class _Built(Struct, frozen=True, dict=True):
     def above(self) -> dict[str, Any]:
         """Frame of the joint above each link, fixed or moving; the root has none."""
         types = self.engine.FrameType
-        found = {}
+        frames = {}
         for name, index in self.bodies.items():
             holder = self.model.frames[index].parentFrame
             frame = self.model.frames[holder]
             if holder and frame.type in (types.FIXED_JOINT, types.JOINT) and not self._frees(frame):
-                found[name] = frame
-        return found
+                frames[name] = frame
+        return frames
 
     def _frees(self, frame: Any) -> bool:
         kind = str(self.model.joints[frame.parentJoint].shortname())

@@ -112,18 +112,18 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
     regular = tuple(way[:count] for way, count in zip(request.ways, request.regular, strict=False))
     left_out = sum(map(len, request.ways)) - sum(map(len, regular))
     for closures, joints in _coupled(body, request):
-        found = _driven(body, request, closures, joints)
-        off, before = _off(found, request), inf
+        driven = _driven(body, request, closures, joints)
+        off, before = _off(driven, request), inf
         for sweeps in _SWEEPS_OF_SLOW if any(len(way) > 1 for way in regular) else ():
             if off <= 1.0 or off > 0.5 * before:  # closed, or as open as it was drawn
                 break
-            found = _driven(body, replace(request, ways=regular), closures, joints, slowly=sweeps)
-            off, before = _off(found, request), off
+            driven = _driven(body, replace(request, ways=regular), closures, joints, slowly=sweeps)
+            off, before = _off(driven, request), off
             if left_out and len(notes) == 1:
                 notes.append(
                     f"{left_out} of {len(request.closed)} configurations left out: loops are near a singularity"
                 )
-        observed |= {one.name: one for one in found}
+        observed |= {one.name: one for one in driven}
     return tuple(observed[closure.name] for closure in request.closures), tuple(notes)
 
 
@@ -137,7 +137,7 @@ def _even_out(body: "Body") -> None:
         engine.changeDynamics(body.id, index, mass=share, localInertiaDiagonal=[share * size * size] * 3)
 
 
-def _off(found: Sequence[ObservedClosure], request: Request) -> float:
+def _off(closures: Sequence[ObservedClosure], request: Request) -> float:
     """How far loops opened, or their joints moved elsewhere, in tolerances.
 
     Next to a dead centre, links outrun the solver.
@@ -145,8 +145,8 @@ def _off(found: Sequence[ObservedClosure], request: Request) -> float:
     from . import ENGINE
 
     wide = ENGINE.several_loops if len(request.closures) > 1 and ENGINE.several_loops else ENGINE.tolerances["closures"]
-    gaps = [(one.residual or 0.0) / wide.absolute for one in found]
-    angles = [(one.angle_error or 0.0) / (ENGINE.driven_angle or inf) for one in found]
+    gaps = [(one.residual or 0.0) / wide.absolute for one in closures]
+    angles = [(one.angle_error or 0.0) / (ENGINE.driven_angle or inf) for one in closures]
     return max(inf if isnan(one) else one for one in (*gaps, *angles))
 
 

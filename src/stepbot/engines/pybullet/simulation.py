@@ -268,12 +268,12 @@ class PybulletSimulation:
 
     def _mass_properties(self) -> list[tuple[int, float, Array]]:
         """Index, mass and principal inertia (3,) of each link with mass."""
-        found = []
+        properties = []
         for index in range(-1, len(self._body.joints)):
             info = self._engine.getDynamicsInfo(self._body.id, index)
             if info[0] > 0.0:
-                found.append((index, float(info[0]), np.array(info[2], dtype=np.float64)))
-        return found
+                properties.append((index, float(info[0]), np.array(info[2], dtype=np.float64)))
+        return properties
 
     def energy(self) -> tuple[float, float]:  # noqa: D102
         potential = kinetic = 0.0

@@ -53,16 +53,16 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     Raises:
         EngineRefused: It is something else.
     """
-    found: Any = None if element is None else element.find(path)  # the stubs lack `sourceline`
-    if found is None:
+    node: Any = None if element is None else element.find(path)  # the stubs lack `sourceline`
+    if node is None:
         return default
-    text = (found.text or "").strip()
+    text = (node.text or "").strip()
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if math.isnan(value):
-        raise EngineRefused(f"line {found.sourceline}: <{found.tag}> is '{text}', not a number")
+        raise EngineRefused(f"line {node.sourceline}: <{node.tag}> is '{text}', not a number")
     return value
 
 

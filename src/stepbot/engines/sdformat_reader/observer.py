@@ -166,7 +166,7 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
     of_both = (limit, dynamics), of_second
     if of_second[0] != limit:
         limit = Limit(nan, nan, nan, nan)  # no joint of the model has two
-    found = ObservedJoint(
+    observed = ObservedJoint(
         name,
         _kind(joint),
         parent,
@@ -181,7 +181,7 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
         mimic=_mimic(axis),
         mimic_read=True,
     )
-    return replace(found, steps=_steps(found, of_both)) if _kind(joint) == JointKind.UNIVERSAL else found
+    return replace(observed, steps=_steps(observed, of_both)) if _kind(joint) == JointKind.UNIVERSAL else observed
 
 
 def _steps(whole: ObservedJoint, of_both: Sequence[tuple[Limit, JointDynamics]]) -> tuple[ObservedJoint, ...]:
@@ -256,12 +256,12 @@ def _frame(frame: Element, frames: Frames) -> tuple[str, Pose]:
 
 def _joint_frames(observation: Observation, tree: list[Element], frames: Frames) -> dict[str, tuple[Pose, Pose]]:
     """For each link with a parent, the pose of the joint above it in its parent, and in itself."""
-    found: dict[str, tuple[Pose, Pose]] = {}
+    poses: dict[str, tuple[Pose, Pose]] = {}
     for observed, joint in zip(observation.joints, tree, strict=True):
         X_MJ = frames.X_M(joint.get("name", ""))
         parent, child = (frames.X_M(link).inverse() @ X_MJ for link in (observed.parent, observed.child))
-        found[observed.child] = parent, child
-    return found
+        poses[observed.child] = parent, child
+    return poses
 
 
 _SYSTEMS = "gz::sim::systems::"

@@ -181,14 +181,14 @@ def in_gazebo_alone(sensor: ObservedSensor) -> ObservedSensor:
 
 def state_sensors(top: Element) -> dict[str, ObservedSensor]:
     """The sensors of ros2_control, by name."""
-    found = {}
+    sensors = {}
     for element in top.findall("ros2_control/sensor"):
         readings = frozenset(one.get("name", "") for one in element.findall("state_interface"))
         kind = _READINGS.get(readings)
         name, joint = element.get("name", ""), element.find("param[@name='joint']")
         on = None if joint is None else (joint.text or "").strip()
-        found[name] = ObservedSensor(name, kind.value if kind else " and ".join(sorted(readings)), joint=on)
-    return found
+        sensors[name] = ObservedSensor(name, kind.value if kind else " and ".join(sorted(readings)), joint=on)
+    return sensors
 
 
 def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
@@ -225,8 +225,10 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
 def initial_positions(top: Element) -> dict[str, float]:
     """The positions [rad], [m] in which placeholders and simulators start; an empty value states none."""
     path = "state_interface[@name='position']/param[@name='initial_value']"
-    found = {one.get("name", ""): one.find(path) for one in top.findall("ros2_control/joint")}
-    return {joint: _one(parameter) for joint, parameter in found.items() if parameter is not None and parameter.text}
+    positions = {one.get("name", ""): one.find(path) for one in top.findall("ros2_control/joint")}
+    return {
+        joint: _one(parameter) for joint, parameter in positions.items() if parameter is not None and parameter.text
+    }
 
 
 def _inputs(top: Element, joint: str) -> list[Element]:
@@ -294,10 +296,10 @@ def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear
 
 
 def _one(parameter: Element) -> float:
-    found = numbers(parameter.text)
-    if len(found) != 1 or isnan(found[0]):
+    values = numbers(parameter.text)
+    if len(values) != 1 or isnan(values[0]):
         raise EngineRefused(f"parameter '{parameter.get('name')}' is '{parameter.text}', not a number")
-    return found[0]
+    return values[0]
 
 
 def faults(top: Element) -> Iterator[str]:

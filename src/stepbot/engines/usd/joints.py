@@ -112,7 +112,7 @@ def connections(stage: Stage) -> list[Connection]:
     """
     from pxr import UsdPhysics
 
-    found = []
+    connections_read = []
     for prim in stage.prims():
         if not prim.IsA(UsdPhysics.Joint) or not UsdPhysics.Joint(prim).GetJointEnabledAttr().Get():
             continue
@@ -125,8 +125,8 @@ def connections(stage: Stage) -> list[Connection]:
             kind = JointKind.CONTINUOUS.value
         closes = bool(joint.GetExcludeFromArticulationAttr().Get())
         bodies, frames = zip(*ends, strict=True)
-        found.append(Connection(prim, kind, bodies, frames, closes))
-    return found
+        connections_read.append(Connection(prim, kind, bodies, frames, closes))
+    return connections_read
 
 
 def _end(stage: Stage, joint: Any, number: int) -> tuple[Body | None, Pose]:
@@ -153,17 +153,17 @@ def wxyz(quaternion: Any) -> tuple[float, float, float, float]:
     return float(quaternion.GetReal()), float(x), float(y), float(z)
 
 
-def grown(stage: Stage, found: Sequence[Connection]) -> tuple[list[Branch], list[Connection], Body, bool]:
+def grown(stage: Stage, connections: Sequence[Connection]) -> tuple[list[Branch], list[Connection], Body, bool]:
     """The tree, the closures, the root, and whether the root is fixed to the world.
 
     Raises:
         EngineCannotRead: A joint to the world moves, or bodies are not connected.
     """
-    to_world = [one for one in found if None in one.bodies and not one.closes]
+    to_world = [one for one in connections if None in one.bodies and not one.closes]
     moving = [one.name for one in to_world if one.kind != JointKind.FIXED]
     if moving:
         raise EngineCannotRead(f"joints to the world that move are not supported: {', '.join(moving)}")
-    inner = [one for one in found if None not in one.bodies]
+    inner = [one for one in connections if None not in one.bodies]
     open_ = [one for one in inner if not one.closes]
     below = {id(one.bodies[1]) for one in open_}
     held = [body for one in to_world for body in one.bodies if body is not None]

@@ -63,9 +63,9 @@ def observe(request: Request) -> Observation:
 
     collector = UsdUtils.CoalescingDiagnosticDelegate()
     stage = Stage(request.file)
-    found = connections(stage)
-    branches, closing, root, fixed = grown(stage, found)
-    leaders = {str(one.prim.GetPath()): (one.name, 1.0) for one in found}
+    all_connections = connections(stage)
+    branches, closing, root, fixed = grown(stage, all_connections)
+    leaders = {str(one.prim.GetPath()): (one.name, 1.0) for one in all_connections}
     leaders |= {str(one.connection.prim.GetPath()): (one.connection.name, one.sign) for one in branches}
     joints = tuple(observed_joint(stage, branch, leaders) for branch in branches)
     links = tuple(_link(stage, body) for body in stage.bodies.values())
@@ -83,7 +83,7 @@ def observe(request: Request) -> Observation:
         actuators=tuple(actuators(stage, branches, joints)),
         sensors=(),
         initial=_initial(branches, request),
-        excluded_pairs=_excluded_pairs(stage, found, {link.name for link in links if link.has_collisions}),
+        excluded_pairs=_excluded_pairs(stage, all_connections, {link.name for link in links if link.has_collisions}),
         not_run={Quantity.SIMULATION: "a parser cannot simulate"},
         notes=(NOTE,),
     )
@@ -143,26 +143,28 @@ def _frames(stage: Stage, body: Body) -> list[tuple[str, Pose]]:
 
 def _initial(branches: list[Branch], request: Request) -> dict[str, float]:
     """Positions at which the links are in the stage; of ball joints in their coordinates, yaw, pitch and roll."""
-    found = {}
+    positions = {}
     for branch in branches:
         one = branch.connection
         if one.kind in MOVING:
             # Poses do not tell full turns apart.
             turn = round((request.initial.get(one.name, 0.0) - position(branch)) / tau) * tau if one.turns else 0.0
-            found[one.name] = position(branch) + turn
+            positions[one.name] = position(branch) + turn
         elif one.kind == JointKind.BALL and one.name in request.balls:
             X_PJ, X_CJ = branch.frames
             X = X_PJ.inverse() @ branch.parent.X_W.inverse() @ branch.child.X_W @ X_CJ
-            found |= dict(zip(request.balls[one.name], map(without_residue, rpy_from_rotation(X.R)[::-1]), strict=True))
-    return found
+            positions |= dict(
+                zip(request.balls[one.name], map(without_residue, rpy_from_rotation(X.R)[::-1]), strict=True)
+            )
+    return positions
 
 
-def _excluded_pairs(stage: Stage, found: list[Connection], touching: set[str]) -> tuple[tuple[str, str], ...]:
+def _excluded_pairs(stage: Stage, connections: list[Connection], touching: set[str]) -> tuple[tuple[str, str], ...]:
     """Pairs of links whose contacts joints disable, or filters."""
     from pxr import UsdPhysics
 
     pairs: set[frozenset[str]] = set()
-    for one in found:
+    for one in connections:
         ends = [body.name for body in one.bodies if body is not None]
         if len(ends) == 2 and not UsdPhysics.Joint(one.prim).GetCollisionEnabledAttr().Get():
             pairs.add(frozenset(ends))

@@ -69,15 +69,15 @@ class Stage:
     @cached_property
     def bodies(self) -> dict[str, Body]:
         """The rigid bodies by path."""
-        found: dict[str, Body] = {}
+        bodies: dict[str, Body] = {}
         taken: set[str] = set()
         for prim in self.prims():
             if prim.HasAPI(self._physics.RigidBodyAPI):
                 name = name_of(prim)
                 name = str(prim.GetPath()) if name in taken else name
                 taken.add(name)
-                found[str(prim.GetPath())] = Body(name, prim, *self._place(prim))
-        return found
+                bodies[str(prim.GetPath())] = Body(name, prim, *self._place(prim))
+        return bodies
 
     def body_of(self, prim: Any) -> Body | None:
         """The body that a prim is part of; None for a part of the world."""

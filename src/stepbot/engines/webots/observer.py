@@ -261,9 +261,9 @@ def _shapes(node: Node, X: Pose, *, geometries: bool = False) -> Iterator[tuple[
         yield node, None, X
 
 
-def _observed(found: list[tuple[Node, Node | None, Pose]], file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
+def _observed(placed: list[tuple[Node, Node | None, Pose]], file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
     seen, missing = list[ObservedShape](), list[str]()
-    for geometry, appearance, X in found:
+    for geometry, appearance, X in placed:
         bounds, lost = _bounds(geometry, X, file)
         missing += lost
         seen.append(ObservedShape("", _color(appearance), bounds=bounds))

@@ -48,10 +48,10 @@ class Node(Struct):
         value = self.fields.get(name)
         if value is None:
             return default
-        found = [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, float)]
-        if len(found) != (len(value) if isinstance(value, list) else 1) or (default and len(found) != len(default)):
+        values = [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, float)]
+        if len(values) != (len(value) if isinstance(value, list) else 1) or (default and len(values) != len(default)):
             raise EngineRefused(f"{self.type}: field '{name}' is not {len(default) or 'a list of'} numbers")
-        return tuple(found)
+        return tuple(values)
 
     def number(self, name: str, default: float) -> float:
         """The number in a field."""
@@ -112,19 +112,19 @@ class _Reader:
         return taken
 
     def expect(self, word: str) -> None:
-        (found,) = self.take(1)
-        if found != word:
-            raise EngineRefused(f"expected '{word}', not '{found}'")
+        (token,) = self.take(1)
+        if token != word:
+            raise EngineRefused(f"expected '{word}', not '{token}'")
 
     def parameters(self) -> dict[str, Value]:
         """The parameters of a PROTO with their defaults."""
         self.expect("[")
-        found: dict[str, Value] = {}
+        parameters: dict[str, Value] = {}
         while not self.next_is("]"):
             _, _, name = self.take(3)
-            found[name] = self._value({}, ("field", "unconnectedField", "vrmlField", "hiddenField", "]"))
+            parameters[name] = self._value({}, ("field", "unconnectedField", "vrmlField", "hiddenField", "]"))
         self.expect("]")
-        return found
+        return parameters
 
     def node(self, parameters: dict[str, Value]) -> Node:
         """A node, from its type on."""

@@ -179,14 +179,14 @@ def describe_closures(condition: Callable[[LoopClosure], bool]) -> Callable[[Rob
 
 def describe_followers(robot: Robot) -> list[str]:
     """The joints that follow a driven one through a loop, with their lines and deviations."""
-    found = []
+    lines = []
     for follower in loop_followers(robot):
         prismatic = robot.joint_by_name[follower.joint].kind is JointKind.PRISMATIC
         mimic, unit = follower.mimic, "m" if prismatic else "rad"
         line = f"{mimic.multiplier:g} x '{mimic.joint}'" + (f" {mimic.offset:+g}" if mimic.offset else "")
         deviation = max(round(follower.deviation, 9), 1e-9)
-        found.append(f"'{follower.joint}' = {line}, within {deviation:.2g} {unit}")
-    return found
+        lines.append(f"'{follower.joint}' = {line}, within {deviation:.2g} {unit}")
+    return lines
 
 
 def mimic_followers(robot: Robot) -> Robot:

@@ -28,13 +28,13 @@ _CLOSES_AS = {
 
 def sliding_closures(robot: Robot) -> list[str]:
     """Prismatic closures, and the joint at which their loop can be cut instead, if there is one."""
-    found = []
+    names = []
     for closure in robot.closures:
         if closure.kind is JointKind.PRISMATIC:
             way = _way_to_cut(robot, closure)
             limits = ", without its limits of effort and velocity" if way and way[-1].limit != Limit() else ""
-            found.append(f"'{closure.name}'" + (f" at '{way[-1].name}'{limits}" if way else ""))
-    return found
+            names.append(f"'{closure.name}'" + (f" at '{way[-1].name}'{limits}" if way else ""))
+    return names
 
 
 def reroot_loops(robot: Robot) -> Robot:

@@ -120,9 +120,9 @@ def _touched(robot: Robot) -> set[str]:
 
 def excluded_pairs(robot: Robot) -> list[str]:
     """Pairs of links that are not adjacent whose contacts are excluded."""
-    found = robot.self_collision
-    pairs = found.pairs if found is not None else ()
-    searched = [(pair.link_a, pair.link_b) for pair in pairs if found and pair.kind in found.exclude]
+    search = robot.self_collision
+    pairs = search.pairs if search is not None else ()
+    searched = [(pair.link_a, pair.link_b) for pair in pairs if search and pair.kind in search.exclude]
     return [f"'{a}' and '{b}'" for a, b in dict.fromkeys((*robot.excluded_contacts, *searched))]
 
 

@@ -107,13 +107,13 @@ def motor_lines(robot: Robot) -> dict[str, tuple[float, float]]:
         mobility = mobilities(robot)
     except np.linalg.LinAlgError:
         return {}
-    step, found = settings_of(robot).timestep, {}
+    step, ranges = settings_of(robot).timestep, {}
     for actuator, line in lines:
         strength = line * step * mobility[actuator.joint]
         if _LEAST < strength < _MOST:
             impedance = strength / (1.0 + strength)
-            found[actuator.name] = 2.0 * step / impedance, impedance
-    return found
+            ranges[actuator.name] = 2.0 * step / impedance, impedance
+    return ranges
 
 
 def _coupled(robot: Robot) -> set[str]:

@@ -37,11 +37,11 @@ def menagerie_files(robot: Robot, written: Mapping[str, bytes]) -> dict[str, byt
     main = next(iter(written))
     scene = f"{robot.name}{FORMAT.scene}"
     meshes = {path: content for path, content in written.items() if PurePosixPath(path).parent.name == "meshes"}
-    found = {main: _styled(written[main], bool(meshes)), "scene.xml": _styled(written[scene], False)}
-    found |= {f"{_ASSETS}/{PurePosixPath(path).name}": content for path, content in sorted(meshes.items())}
+    files = {main: _styled(written[main], bool(meshes)), "scene.xml": _styled(written[scene], False)}
+    files |= {f"{_ASSETS}/{PurePosixPath(path).name}": content for path, content in sorted(meshes.items())}
     if text := _license(robot):
-        found[_LICENSE] = text.encode()
-    return found | {"CHANGELOG.md": _changelog(robot).encode()}
+        files[_LICENSE] = text.encode()
+    return files | {"CHANGELOG.md": _changelog(robot).encode()}
 
 
 def report_missing_license(robot: Robot, diagnostics: Diagnostics) -> None:

@@ -33,39 +33,39 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
     """
     body, moving = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
     last = {body[link.name]: link.name for link in robot.links}  # parents come before their children
-    found = []
+    chains_of_tips = []
     for along in _with_few_before(_unbranched(robot, moving), body):
         tip = last[along[-1].child]
         independent = tuple(joint for joint in along if joint.mimic is None)
         if independent and not _is_free(along):
-            found.append(Chain(tip, along[0].parent, tip, independent))
-    return tuple(found)
+            chains_of_tips.append(Chain(tip, along[0].parent, tip, independent))
+    return tuple(chains_of_tips)
 
 
 def _unbranched(robot: Robot, moving: Mapping[str, Sequence[Joint]]) -> list[list[Joint]]:
     """The joints of each chain from the root or a branching on to the next one or the end."""
-    found = []
+    unbranched = []
     starts = [joint for at, joints in moving.items() if at == robot.root.name or len(joints) > 1 for joint in joints]
     for start in starts:
         along = [start]
         while len(after := moving.get(along[-1].child, [])) == 1:
             along += after
-        found.append(along)
-    return found
+        unbranched.append(along)
+    return unbranched
 
 
 _FEW, _MANY = 2, 4
 """Most joints of a short chain, and of what it shares with an arm; least joints of an arm beyond them."""
 
 
-def _with_few_before(found: list[list[Joint]], body: Mapping[str, str]) -> list[list[Joint]]:
+def _with_few_before(unbranched: list[list[Joint]], body: Mapping[str, str]) -> list[list[Joint]]:
     """The chains; an arm has the joints that it shares with short chains alone: a Sawyer's first turns its head, too.
 
     Joints that two arms share, such as those of a torso, remain a chain of their own.
     """
-    kept = list(found)
-    for before in found:
-        after = [along for along in found if body[along[0].parent] == body[before[-1].child]]
+    kept = list(unbranched)
+    for before in unbranched:
+        after = [along for along in unbranched if body[along[0].parent] == body[before[-1].child]]
         arms = [along for along in after if len(along) > _FEW]
         if len(before) <= _FEW and len(after) > 1 and len(arms) == 1 and len(arms[0]) >= _MANY:
             kept = [before + one if one is arms[0] else one for one in kept if one is not before]

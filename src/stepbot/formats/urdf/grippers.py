@@ -49,10 +49,10 @@ Groups = tuple[tuple[Chain, ...], tuple[Gripper, ...]]
 
 def groups(robot: Robot) -> Groups:
     """The chains of a robot that something drives, without those of its grippers, and the grippers."""
-    found = chains(robot)
-    grippers = _grippers(robot, found)
+    all_chains = chains(robot)
+    grippers = _grippers(robot, all_chains)
     fingers = {joint.name for gripper in grippers for joint in gripper.joints}
-    arms = [one for one in found if one.joints[0].name not in fingers and is_planned(robot, one)]
+    arms = [one for one in all_chains if one.joints[0].name not in fingers and is_planned(robot, one)]
     carriers = {gripper.arm for gripper in grippers}
     split = [(one, None) if one.name in carriers else _without_jaw(robot, one) for one in arms]
     return _named(robot, [arm for arm, _ in split], [*grippers, *(jaw for _, jaw in split if jaw is not None)])
@@ -86,11 +86,11 @@ def _without_jaw(robot: Robot, chain: Chain) -> tuple[Chain, Gripper | None]:
     return arm, Gripper(name, arm.name, jaw.parent, (jaw,), is_by_name=True)
 
 
-def _grippers(robot: Robot, found: Sequence[Chain]) -> tuple[Gripper, ...]:
+def _grippers(robot: Robot, arms: Sequence[Chain]) -> tuple[Gripper, ...]:
     body, below = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
-    taken, poses = {chain.name for chain in found}, link_poses(robot, {})
+    taken, poses = {chain.name for chain in arms}, link_poses(robot, {})
     grippers = []
-    for chain in found:
+    for chain in arms:
         hand = body[chain.tip]
         fingers = below.get(hand, [])
         if hand != body[robot.root.name] and _grip(fingers, below, poses):

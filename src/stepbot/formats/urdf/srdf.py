@@ -26,7 +26,7 @@ ZERO = "zero"
 
 def srdf(
     name: str,
-    found: SelfCollision | None,
+    self_collision: SelfCollision | None,
     source: str,
     robot: Robot | None = None,
     *,
@@ -38,7 +38,7 @@ def srdf(
 
     Args:
         name: Name of the robot in the URDF.
-        found: Which links can overlap; None if that was not searched.
+        self_collision: Which links can overlap; None if that was not searched.
         source: File name that the robot was built from.
         robot: The robot as the URDF expresses it, for its groups, their drawn pose, and how its root is connected with
             the world; None for pairs alone.
@@ -47,8 +47,8 @@ def srdf(
     if robot is not None:
         _groups(top, robot)
     disabled: dict[tuple[str, ...], str] = {}
-    if found is not None:
-        disabled = {(one.link_a, one.link_b): REASONS[one.kind] for one in found.pairs if one.kind in REASONS}
+    if self_collision is not None:
+        disabled = {(one.link_a, one.link_b): REASONS[one.kind] for one in self_collision.pairs if one.kind in REASONS}
     elif robot is not None:
         disabled = dict.fromkeys(sorted(tuple(sorted(pair)) for pair in neighbours(robot)), REASONS[PairClass.ADJACENT])
     known = {frozenset(pair) for pair in disabled}
@@ -68,14 +68,14 @@ def report_guesses(robot: Robot, diagnostics: Diagnostics) -> None:
 
 
 def _groups(top: Element, robot: Robot) -> None:
-    found, grippers = groups(robot)
-    for chain in found:
+    planned, grippers = groups(robot)
+    for chain in planned:
         element(element(top, "group", name=chain.name), "chain", base_link=chain.base, tip_link=chain.tip)
     for gripper in grippers:
         group = element(top, "group", name=gripper.name)
         for joint in gripper.joints:
             element(group, "joint", name=joint.name)
-    for chain in found:
+    for chain in planned:
         _states(top, chain.name, chain.joints)
     for gripper in grippers:
         _states(top, gripper.name, gripper.independent)

@@ -70,17 +70,17 @@ def _with_place(robot: Robot) -> tuple[DifferentialDrive | None, tuple[float, fl
     to_the_left = all(np.abs(np.subtract(axle, (0.0, 1.0, 0.0))).max() < _ALONG for axle in axles)
     if any(place is None for place in places) or not (fixed and to_the_left) or len(modules) > 1:
         return nothing
-    found = np.array(places, float)  # x, y, height of the axle, radius
-    middle = found[:, 1].mean()
-    left, right = ([i for i, one in enumerate(found) if sign * (one[1] - middle) > 0.0] for sign in (1.0, -1.0))
+    rows = np.array(places, float)  # x, y, height of the axle, radius
+    middle = rows[:, 1].mean()
+    left, right = ([i for i, one in enumerate(rows) if sign * (one[1] - middle) > 0.0] for sign in (1.0, -1.0))
     if not left or len(left) != len(right):
         return nothing
-    separation = float(found[left, 1].mean() - found[right, 1].mean())
-    radii, near = found[:, 3], _NEAR * separation
-    if np.ptp(found[:, 0]) > near or np.ptp(radii) > _NEAR * radii.max() or _has_rollers(robot, wheels):
+    separation = float(rows[left, 1].mean() - rows[right, 1].mean())
+    radii, near = rows[:, 3], _NEAR * separation
+    if np.ptp(rows[:, 0]) > near or np.ptp(radii) > _NEAR * radii.max() or _has_rollers(robot, wheels):
         return nothing
-    x, y, z = (round(value, _DIGITS) + 0.0 for value in (found[:, 0].mean(), middle, found[:, 2].mean()))
-    frame = _frame_at(robot, float(found[:, 0].mean()), float(middle), near)
+    x, y, z = (round(value, _DIGITS) + 0.0 for value in (rows[:, 0].mean(), middle, rows[:, 2].mean()))
+    frame = _frame_at(robot, float(rows[:, 0].mean()), float(middle), near)
     names = [tuple(wheels[i].name for i in side) for side in (left, right)]
     speed = min(joint.limit.velocity for joint in wheels)
     sizes = [round(size, _DIGITS) for size in (separation, float(radii.mean()))]

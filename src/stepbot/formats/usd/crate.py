@@ -213,8 +213,8 @@ def _integers(values: Sequence[int] | Ints) -> bytes:
     """The size of packed integers, and them: the most frequent difference, two bits for the size of each, and those."""
     numbers = np.asarray(values, dtype=np.int64)
     steps = np.diff(numbers, prepend=0).astype(np.int32)  # modulo 2**32, as the reader adds them
-    found, counts = np.unique(steps, return_counts=True)
-    common = found[np.argmax(counts)]
+    distinct, counts = np.unique(steps, return_counts=True)
+    common = distinct[np.argmax(counts)]
     codes = np.full(len(steps), 3, np.uint8)
     codes[(steps >= -(1 << 15)) & (steps < 1 << 15)] = 2
     codes[(steps >= -(1 << 7)) & (steps < 1 << 7)] = 1

@@ -47,9 +47,9 @@ def box_pairs(low: Array, high: Array, depth: float = 0.0) -> tuple[NDArray[np.i
             meet = (low[second, one] < high[first, one]) & (low[first, one] < high[second, one])
             first, second = first[meet], second[meet]
         pairs.append(np.column_stack([order[first], order[second]]))
-    found = np.sort(np.concatenate(pairs), axis=1)
-    found = found[np.lexsort((found[:, 1], found[:, 0]))]
-    return found[:, 0], found[:, 1]
+    sorted_pairs = np.sort(np.concatenate(pairs), axis=1)
+    sorted_pairs = sorted_pairs[np.lexsort((sorted_pairs[:, 1], sorted_pairs[:, 0]))]
+    return sorted_pairs[:, 0], sorted_pairs[:, 1]
 
 
 def _behind(low: Array, high: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -74,9 +74,9 @@ def boxes_meet(box_a: tuple[Array, Array], box_b: tuple[Array, Array], R: Array,
     t = rotated(R, centre_b) + p - centre_a
     reach = _SLACK * (length(half_a) + length(half_b))
     near = np.flatnonzero(t[:, 0] ** 2 + t[:, 1] ** 2 + t[:, 2] ** 2 <= reach * reach)  # spheres around the boxes
-    found = np.zeros(len(R), dtype=bool)
-    found[near] = _none_separates(half_a, half_b, R[near], t[near])
-    return found
+    meet = np.zeros(len(R), dtype=bool)
+    meet[near] = _none_separates(half_a, half_b, R[near], t[near])
+    return meet
 
 
 def _none_separates(half_a: Array, half_b: Array, R: Array, t: Array) -> NDArray[np.bool_]:

@@ -125,12 +125,12 @@ def _farthest(
         turned, of_turned = _turned(triangles[first], away[first])
         halves, of_halves = np.concatenate([turned, turned]), np.concatenate([of_turned, of_turned])
         middles = 0.5 * (turned[:, 0] + turned[:, 1])
-        found = distances(middles)
+        gaps = distances(middles)
         count += len(middles)
-        if found.max() > most:
-            farthest, most = middles[int(found.argmax())], float(found.max())
+        if gaps.max() > most:
+            farthest, most = middles[int(gaps.argmax())], float(gaps.max())
         halves[: len(first), 1], halves[len(first) :, 0] = middles, middles
-        of_halves[: len(first), 1], of_halves[len(first) :, 0] = found, found
+        of_halves[: len(first), 1], of_halves[len(first) :, 0] = gaps, gaps
         triangles, away = np.concatenate([triangles[rest], halves]), np.concatenate([away[rest], of_halves])
         bounds = np.concatenate([bounds[rest], _most_away(halves, of_halves)])
     return farthest, most

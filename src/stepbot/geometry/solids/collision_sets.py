@@ -83,9 +83,9 @@ def _corners(normals: Array, distances: Array) -> Array:
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     across = cross(b - a, c - a)
     scale = np.einsum("ij,ij->i", across, a)
-    found = across[scale > 0.0] / scale[scale > 0.0, None]
+    vertices = across[scale > 0.0] / scale[scale > 0.0, None]
     # A face of the dual with more than three corners was triangulated: all its triangles give the same vertex.
-    rounded = (found * GRID_PER_METRE).round() / GRID_PER_METRE + 0.0
+    rounded = (vertices * GRID_PER_METRE).round() / GRID_PER_METRE + 0.0
     return np.asarray(rounded[distinct_rows(rounded)[0]])
 
 
@@ -220,9 +220,9 @@ def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:
             return CollisionSet((PlacedShape(fit.shape, fit.X_AG),), 1.0, solid.left_out), True
     pieces = convex_pieces(solid, wanted.bores, wanted.filled, wanted.max_hulls)
     shapes = [_piece(piece, wanted, fits) for piece in pieces]
-    found = tuple(shape for shape in shapes if shape is not None)
+    fitted = tuple(shape for shape in shapes if shape is not None)
     filled = round(solid.volume / exact_sum(map(hull_volume, pieces)), 6)
-    return CollisionSet(found, filled, solid.left_out), len(found) == len(pieces)
+    return CollisionSet(fitted, filled, solid.left_out), len(fitted) == len(pieces)
 
 
 def _piece(points: Array, wanted: Wanted, fits: PrimitiveFits) -> PlacedShape | None:

@@ -290,18 +290,18 @@ def _candidates(points: Array, faces: Any, bores: Sequence[RoundFace], diagonal:
     normals, areas, a = face_normals(points, faces)
     of_faces = _distinct(normals, np.einsum("ij,ij->i", normals, a), areas, diagonal)
     axes = main_axes(normals, areas)
-    found = [of_faces]
+    candidates = [of_faces]
     wide = sorted((bore for bore in bores if bore.radius >= _NARROWEST * diagonal), key=lambda bore: -bore.radius)
     for bore in wide:
         across = np.cross(bore.direction, axes)
         lengths = np.linalg.norm(across, axis=1)
         across = across[lengths > 0.5] / lengths[lengths > 0.5, None]
-        found.append((across, dot(across, bore.point)))
+        candidates.append((across, dot(across, bore.point)))
     for axis in axes:
         heights = dot(points, axis)
         offsets = np.linspace(heights.min(), heights.max(), _ACROSS + 2)[1:-1]
-        found.append((np.tile(axis, (_ACROSS, 1)), offsets))
-    return np.vstack([planes for planes, _ in found]), np.concatenate([offsets for _, offsets in found])
+        candidates.append((np.tile(axis, (_ACROSS, 1)), offsets))
+    return np.vstack([planes for planes, _ in candidates]), np.concatenate([offsets for _, offsets in candidates])
 
 
 def _distinct(normals: Array, offsets: Array, areas: Array, diagonal: float) -> tuple[Array, Array]:

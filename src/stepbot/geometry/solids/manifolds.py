@@ -330,10 +330,10 @@ def _sagittas(mesh: TriMesh) -> Array:
     angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ij,ij->i", a, b))
     widths = np.minimum(heights[first], heights[second])
     depths = np.where(angles < _SMOOTH, 0.5 * widths * np.tan(0.25 * angles), 0.0)
-    found = np.zeros(len(mesh.faces))
-    np.maximum.at(found, first // 3, depths)
-    np.maximum.at(found, second // 3, depths)
-    return found
+    sagittas = np.zeros(len(mesh.faces))
+    np.maximum.at(sagittas, first // 3, depths)
+    np.maximum.at(sagittas, second // 3, depths)
+    return sagittas
 
 
 def _edge_sides(faces: NDArray[np.int32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -113,7 +113,7 @@ def _intersect(search: Search) -> list[_Common | str | None]:
     use_one_thread()
     solids = {body: Solid(mesh) for body, mesh in search.meshes.items()}
     groups = search.groups
-    found: list[_Common | str | None] = [None] * len(groups)
+    outcomes: list[_Common | str | None] = [None] * len(groups)
     wanted, weights, spent = list[int](), list[float](), 0
     for number in sorted(range(len(groups)), key=lambda i: -exact_sum(pair.most for pair in groups[i].candidates)):
         a, b = (solids[body] for body in groups[number].bodies)
@@ -121,9 +121,9 @@ def _intersect(search: Search) -> list[_Common | str | None]:
             continue
         work = a.face_count + b.face_count
         if spent + work > search.max_faces:
-            found[number] = f"all pairs together have more than {search.max_faces:,} faces"
+            outcomes[number] = f"all pairs together have more than {search.max_faces:,} faces"
         elif not (a.is_sound and b.is_sound):
-            found[number] = "a mesh is not watertight"
+            outcomes[number] = "a mesh is not watertight"
         else:
             spent += work
             wanted.append(number)
@@ -138,16 +138,16 @@ def _intersect(search: Search) -> list[_Common | str | None]:
 
     results = list(map(common, wanted)) if spent < _MANY else results_of(common, wanted, weights, "overlaps")
     for number, result in zip(wanted, results, strict=True):
-        found[number] = result
-    return found
+        outcomes[number] = result
+    return outcomes
 
 
-def _by_link(search: Search, found: Iterable[tuple[Group, _Common | str | None]]) -> dict[str, Overlaps]:
+def _by_link(search: Search, results: Iterable[tuple[Group, _Common | str | None]]) -> dict[str, Overlaps]:
     checked: dict[str, list[Pair]] = {link: [] for link in search.links}
     unchecked: dict[str, list[Pair]] = {link: [] for link in checked}
     twice = dict.fromkeys(checked, 0.0)
     shares: dict[tuple[str, int], list[_Share]] = {}
-    for group, common in found:
+    for group, common in results:
         for c in group.candidates:
             if isinstance(common, str):
                 unchecked[c.link].append(Pair(c.first, c.second, c.most, unchecked=common))

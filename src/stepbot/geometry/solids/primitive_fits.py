@@ -81,9 +81,9 @@ class PrimitiveFits:
         sizes = [_size_along(points, frame) for frame in self._frames]
         for direction, (radius, length) in zip(self._axes, sizes[:3], strict=True):
             if self._cylinders and primitive_volume(Cylinder(radius, length)) <= most:
-                found = cylinder_around(points, [direction])
-                if found is not None:
-                    yield found
+                cylinder = cylinder_around(points, [direction])
+                if cylinder is not None:
+                    yield cylinder
         if primitive_volume(Sphere(max(radius for radius, _ in sizes))) <= most:
             ball = sphere_around(points)
             if ball is not None:

@@ -29,8 +29,8 @@ class ResultsByContent(Generic[N, W, T]):
         self._results = TypedCache(cache, kind)
         self._keys = {name: Digest(purpose).add(environment(), codec.encode(one)).key for name, one in wanted.items()}
         distinct = {self._keys[name]: one for name, one in wanted.items()}
-        found = {key: self._results.get(key) for key in distinct}
-        self._known = {key: one for key, one in found.items() if one is not None}
+        known = {key: self._results.get(key) for key in distinct}
+        self._known = {key: one for key, one in known.items() if one is not None}
         self._missing = {key: one for key, one in distinct.items() if key not in self._known}
 
     @property

@@ -58,7 +58,7 @@ def code_digest(package: Path, kept: Cache | None) -> str:
 
 def _stamps(package: str) -> list[tuple[str, tuple[int, int, int]]]:
     """Relative name, size [bytes] and times [ns] of each source file."""
-    found, folders = [], [""]
+    stamps, folders = [], [""]
     while folders:
         prefix = folders.pop()
         with os.scandir(f"{package}/{prefix}") as entries:
@@ -66,10 +66,10 @@ def _stamps(package: str) -> list[tuple[str, tuple[int, int, int]]]:
                 name = entry.name
                 if name.endswith(_SUFFIXES):
                     status = entry.stat()
-                    found.append((prefix + name, (status.st_size, status.st_mtime_ns, status.st_ctime_ns)))
+                    stamps.append((prefix + name, (status.st_size, status.st_mtime_ns, status.st_ctime_ns)))
                 elif "." not in name and name != "__pycache__" and entry.is_dir():
                     folders.append(f"{prefix}{name}/")
-    return found
+    return stamps
 
 
 @cache
@@ -88,8 +88,8 @@ def _packages() -> list[str]:
 
     Reading the metadata itself would take longer than everything else before a cache hit.
     """
-    found: set[str] = set()
+    packages: set[str] = set()
     for folder in sys.path:
         with contextlib.suppress(OSError), os.scandir(folder or ".") as entries:  # an error: an archive, or nothing
-            found.update(entry.name for entry in entries if entry.name.endswith((".dist-info", ".egg-info")))
-    return sorted(found)
+            packages.update(entry.name for entry in entries if entry.name.endswith((".dist-info", ".egg-info")))
+    return sorted(packages)

@@ -183,8 +183,8 @@ class Cache:
             if not _FOLDER.fullmatch(folder.name) or _is_linked(folder / _NEW):
                 continue
             try:
-                with os.scandir(folder) as found:
-                    files = list(found)
+                with os.scandir(folder) as entries:
+                    files = list(entries)
             except OSError:  # removed, or not a folder: then it has no entries
                 continue
             for file in files:

@@ -47,7 +47,7 @@ def check_encoding(data: Text, declared: str, place: str, diagnostics: Diagnosti
         diagnostics: Receives SB210 if the encoding is unknown or the file contradicts the declaration.
 
     Returns:
-        None, with the error SB224 in ``found``, if the declared code page cannot decode the file's bytes.
+        None, with the error SB224 in ``diagnostics``, if the declared code page cannot decode the file's bytes.
     """
     first = next(_non_ascii_runs(data), None)
     if first is None:

@@ -41,12 +41,12 @@ class Entities:
 
     def reachable(self, number: int, depth: int) -> list[int]:
         """The entities that an entity refers to in at most ``depth`` steps, each once, the nearest first."""
-        found: dict[int, None] = {}
+        numbers: dict[int, None] = {}
         level = [number]
         for _ in range(depth):
-            level = [r for n in level for r in self.references(n) if r not in found]
-            found.update(dict.fromkeys(level))
-        return list(found)
+            level = [r for n in level for r in self.references(n) if r not in numbers]
+            numbers.update(dict.fromkeys(level))
+        return list(numbers)
 
     def numbers_below(self, number: int) -> list[float]:
         """The numbers among the parameters of an entity, including those in lists and typed parameters."""
@@ -58,17 +58,17 @@ class Entities:
         if not parsed:
             return ()
         own = max(parsed, key=lambda record: record.keyword.endswith("RANGE") or record.keyword == "SCREW_PAIR")
-        found: list[float | None] = []
+        values: list[float | None] = []
         for value in _flat(own.parameters):
             if (
                 isinstance(value, Reference | bytes)
                 or value == DERIVED
                 or (isinstance(value, Word) and _is_flag(value))
             ):
-                found.clear()
+                values.clear()
             else:
-                found.append(value if isinstance(value, float) else None)
-        return tuple(found)
+                values.append(value if isinstance(value, float) else None)
+        return tuple(values)
 
     def flags(self, number: int) -> list[bool]:
         """The logical values among the parameters of an entity."""

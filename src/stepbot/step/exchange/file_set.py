@@ -50,7 +50,7 @@ class StepFile(Struct, frozen=True):
 
 
 def check_files(step: Path, place: str, diagnostics: Diagnostics, encoding: str = "") -> tuple[StepFile, ...] | None:
-    """Check an assembly's files, the main one first; None, with errors in ``found``, if one is not a STEP file.
+    """Check an assembly's files, the main one first; None, with errors in ``diagnostics``, if one is not a STEP file.
 
     A reference that cannot be followed is a link without a file: whether its product needs that file is decided later.
 
@@ -100,9 +100,9 @@ def _walk(
     pending = [(step, PurePosixPath(step.name))]
     while pending:
         path, name = pending.pop(0)
-        links, found = [], references(path, name)
-        taken = {path.name, *(reading for reference in found for reading in reference.readings)}
-        for reference in found:
+        links, found_references = [], references(path, name)
+        taken = {path.name, *(reading for reference in found_references for reading in reference.readings)}
+        for reference in found_references:
             target = _resolve(reference, name.parent, step.parent, folder, taken)
             if isinstance(target, tuple):
                 fault, help = target

@@ -152,7 +152,7 @@ def check_numbers(path: Path, place: str, diagnostics: Diagnostics) -> bool:
 
 
 def check_integrity(session: Any, path: Path, place: str, diagnostics: Diagnostics) -> bool:
-    """Whether everything that draws or places something was understood; the rest is reported in ``found``.
+    """Whether everything that draws or places something was understood; the rest is reported in ``diagnostics``.
 
     Args:
         diagnostics: Receives SB221, which is an error, and SB223.
@@ -171,9 +171,9 @@ def check_integrity(session: Any, path: Path, place: str, diagnostics: Diagnosti
     return not (broken or essential)
 
 
-def _blanks(found: re.Match[bytes]) -> bytes:
+def _blanks(match: re.Match[bytes]) -> bytes:
     """As many blanks, and the same lines."""
-    return re.sub(rb"[^\r\n]", b" ", found[0])
+    return re.sub(rb"[^\r\n]", b" ", match[0])
 
 
 def _broken(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:

@@ -35,7 +35,7 @@ class LengthUnit(Struct, frozen=True):
 
 
 def read_length_unit(session: Any, place: str, diagnostics: Diagnostics) -> LengthUnit | None:
-    """The file's length unit; None, with the reason in ``found``, if a shape has none."""
+    """The file's length unit; None, with the reason in ``diagnostics``, if a shape has none."""
     units: Counter[DeclaredUnit] = Counter()
     missing = 0
     sizes: dict[int, tuple[Any, DeclaredUnit | None]] = {}  # a reference is kept, so that its id stays unique

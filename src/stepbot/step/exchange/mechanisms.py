@@ -185,12 +185,12 @@ def _pair(
 
 def _separate_ranges(entities: Entities) -> dict[int, tuple[float | None, ...]]:
     """Ranges of AP214, which are separate entities: by the pair that they apply to."""
-    found: dict[int, tuple[float | None, ...]] = {}
+    ranges: dict[int, tuple[float | None, ...]] = {}
     for number in entities.with_part("_PAIR", ("_RANGE",)):
         referred = [r for r in entities.references(number) if _kind(entities, r) in _DOFS]
         if len(entities.references(number)) == 1 and referred:
-            found[referred[0]] = entities.own_numbers(number)
-    return found
+            ranges[referred[0]] = entities.own_numbers(number)
+    return ranges
 
 
 def _base(entities: Entities, index: dict[int, int]) -> int | None:
@@ -207,19 +207,19 @@ def _base(entities: Entities, index: dict[int, int]) -> int | None:
 
 def _occurrences_of_links(entities: Entities) -> dict[int, list[Occurrence]]:
     """For each link, the occurrences that its representation is associated with."""
-    found: dict[int, list[Occurrence]] = {}
+    occurrences: dict[int, list[Occurrence]] = {}
     usages = _occurrences(entities)
     for number in entities.of("CONTEXT_DEPENDENT_KINEMATIC_LINK_REPRESENTATION"):
         reached = entities.reachable(number, depth=3)
         links = [r for r in reached if entities.keyword(r, "KINEMATIC_LINK")]
         for usage in (r for r in reached if r in usages):
             for link in links[:1]:
-                found.setdefault(link, []).append(usages[usage])
-    return found
+                occurrences.setdefault(link, []).append(usages[usage])
+    return occurrences
 
 
 def _occurrences(entities: Entities) -> dict[int, Occurrence]:
-    found: dict[int, Occurrence] = {}
+    occurrences: dict[int, Occurrence] = {}
     counts: dict[tuple[int, str], int] = {}
     for number in entities.of("NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
         products = [r for r in entities.references(number) if entities.keyword(r, "PRODUCT_DEFINITION")]
@@ -228,8 +228,8 @@ def _occurrences(entities: Entities) -> dict[int, Occurrence]:
         above, below = (entities.product_name(product) for product in products)
         key = (products[0], below)
         counts[key] = counts.get(key, 0) + 1
-        found[number] = Occurrence(above, below, counts[key])
-    return found
+        occurrences[number] = Occurrence(above, below, counts[key])
+    return occurrences
 
 
 def angle_unit(entities: Entities) -> float:

@@ -86,7 +86,7 @@ class Part21(Struct, frozen=True):
 
 
 def check_step(path: Path, place: str, diagnostics: Diagnostics, encoding: str = "") -> Part21 | None:
-    """Check a STEP file; None, with the reason in ``found``, if the kernel cannot read it.
+    """Check a STEP file; None, with the reason in ``diagnostics``, if the kernel cannot read it.
 
     Args:
         encoding: Declared code page of names; empty for none.

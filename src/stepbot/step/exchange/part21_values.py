@@ -67,12 +67,12 @@ class _Reader:
 
     def statement(self) -> tuple[Record, ...]:
         complex_instance = self._take_mark(b"(")
-        found = [self._record()]
+        records = [self._record()]
         while complex_instance and not self._take_mark(b")"):
-            found.append(self._record())
+            records.append(self._record())
         if self._at < len(self._tokens):
             raise SyntaxFault("text after the end")
-        return tuple(found)
+        return tuple(records)
 
     def _record(self, depth: int = 0) -> Record:
         kind, token = self._next()
@@ -88,12 +88,12 @@ class _Reader:
             raise SyntaxFault("nested too deeply")
         if self._take_mark(b")"):
             return ()
-        found = [self._value(depth)]
+        values = [self._value(depth)]
         while not self._take_mark(b")"):
             if not self._take_mark(b","):
                 raise SyntaxFault("a comma is missing")
-            found.append(self._value(depth))
-        return tuple(found)
+            values.append(self._value(depth))
+        return tuple(values)
 
     def _value(self, depth: int) -> Value:
         kind, token = self._next()
@@ -133,14 +133,14 @@ class _Reader:
 
 
 def _scan(body: bytes) -> "list[re.Match[bytes]]":
-    found, at = [], 0
+    tokens, at = [], 0
     while at < len(body):
         match = _TOKEN.match(body, at)
         if match is None:
             raise SyntaxFault("a character that starts no value")
-        found.append(match)
+        tokens.append(match)
         at = match.end()
-    return found
+    return tokens
 
 
 _DIRECTIVE = re.compile(

@@ -62,13 +62,13 @@ class ExternalReference(Struct, frozen=True):
     @property
     def readings(self) -> tuple[str, ...]:
         """The name in each possible encoding, the likeliest first; a file that exists decides between them."""
-        found: dict[str, None] = {}
+        texts: dict[str, None] = {}
         for encoding in ("utf-8", *LIKELY):
             try:
-                found[decode_string(self.raw, encoding)] = None
+                texts[decode_string(self.raw, encoding)] = None
             except UnicodeDecodeError:
                 continue
-        return tuple(found)
+        return tuple(texts)
 
 
 def external_references(data: Text, encoding: str, *, with_products: bool = True) -> tuple[ExternalReference, ...]:
@@ -90,15 +90,15 @@ def external_references(data: Text, encoding: str, *, with_products: bool = True
     definitions, names = _definitions(entities) if with_products else {}, _file_names(entities)
     documents = entities.of(DOCUMENT_FILE.decode())
     lines = lines_of(data, [starts[document] for document in documents])
-    found: dict[tuple[int, bytes], ExternalReference] = {}
+    references_by_key: dict[tuple[int, bytes], ExternalReference] = {}
     for document in documents:
         raw = names[document]
         name = decode_string(raw, encoding or FALLBACK, "replace").strip()
         for definition in definitions.get(document, (0,)) if name else ():
             product = entities.product_name(definition) if definition else ""
             reference = ExternalReference(definition, product, raw, name, lines[starts[document]])
-            found.setdefault((definition, raw), reference)
-    return tuple(found.values())
+            references_by_key.setdefault((definition, raw), reference)
+    return tuple(references_by_key.values())
 
 
 def _definitions(entities: Entities) -> dict[int, tuple[int, ...]]:
@@ -130,7 +130,7 @@ def _described(
     entities: Entities, product_definitions: Container[int], of_formation: Mapping[int, Iterable[int]]
 ) -> dict[int, dict[int, None]]:
     """For each document, with or without a file, the product definitions that it is connected with."""
-    found: dict[int, dict[int, None]] = defaultdict(dict)
+    described: dict[int, dict[int, None]] = defaultdict(dict)
     for keyword in _REFERRING:
         for number in entities.of(keyword):
             own = [number] if number in product_definitions else []
@@ -138,15 +138,15 @@ def _described(
             for document in (r for r in items if set(entities.keywords(r)) & {_DOCUMENT, DOCUMENT_FILE.decode()}):
                 for item in own or items:
                     if item in product_definitions:
-                        found[document][item] = None
+                        described[document][item] = None
                     elif any(word.startswith("PRODUCT_DEFINITION_FORMATION") for word in entities.keywords(item)):
-                        found[document].update(dict.fromkeys(of_formation.get(item, ())))
-    return found
+                        described[document].update(dict.fromkeys(of_formation.get(item, ())))
+    return described
 
 
 def _file_names(entities: Entities) -> dict[int, bytes]:
     """For each document its folder and file name, raw; empty without a name."""
-    found: dict[int, bytes] = {}
+    names: dict[int, bytes] = {}
     for number in entities.of("APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT"):
         referred = entities.references(number)
         name, folder = _first_text(*entities.records(number)), b""
@@ -157,11 +157,11 @@ def _file_names(entities: Entities) -> dict[int, bytes]:
         elif name and folder not in (b"", b"."):
             name = folder + b"/" + name
         for document in referred:
-            found.setdefault(document, name)
+            names.setdefault(document, name)
     for document in entities.of(DOCUMENT_FILE.decode()):
         records = [r for r in entities.records(document) if r.keyword in ("DOCUMENT", "DOCUMENT_FILE")]
-        found[document] = found.get(document) or _first_text(*records)
-    return found
+        names[document] = names.get(document) or _first_text(*records)
+    return names
 
 
 def _first_text(*records: Record) -> bytes:

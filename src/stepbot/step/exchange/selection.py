@@ -34,12 +34,12 @@ def mechanism_count(session: Any) -> int:
 def _selected(session: Any, kind: Any) -> list[Any]:
     selection = IFSelect_SelectType(kind.get_type_descriptor_s())
     selection.SetInput(IFSelect_SelectModelEntities())
-    found = session.EvalSelection(selection)
-    found.Start()
+    selected = session.EvalSelection(selection)
+    selected.Start()
     listed = []
-    while found.More():
-        listed.append(found.Value())
-        found.Next()
+    while selected.More():
+        listed.append(selected.Value())
+        selected.Next()
     return listed
 
 

@@ -62,12 +62,12 @@ def duplicates(data: Text) -> list[Statement]:
     numbers = [int(number) for number in _BEGINNING.findall(data)]
     if len(set(numbers)) == len(numbers):
         return []
-    found, seen = [], set[int]()
+    repeated, seen = [], set[int]()
     for statement in find_statements(data):
         if statement.number in seen:
-            found.append(statement)
+            repeated.append(statement)
         seen.add(statement.number)
-    return found
+    return repeated
 
 
 LONGEST = 16_382

@@ -171,8 +171,8 @@ def lines(faces: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]
     """The lines with faces, the heaviest first; with ``radius`` [m], only faces of that radius count."""
     if radius is not None:
         faces = faces.select(np.abs(faces.radii - radius) <= faces.fineness * DISTANCE_TOLERANCE)
-    found = [_line(faces, rows) for rows in coaxial(faces.rays, faces.fineness * DISTANCE_TOLERANCE, ANGLE_TOLERANCE)]
-    return tuple(sorted(found, key=lambda line: -line.weight))
+    result = [_line(faces, rows) for rows in coaxial(faces.rays, faces.fineness * DISTANCE_TOLERANCE, ANGLE_TOLERANCE)]
+    return tuple(sorted(result, key=lambda line: -line.weight))
 
 
 def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[AxisLine, ...]:
@@ -182,14 +182,14 @@ def mates(a: AxisFaces, b: AxisFaces, radius: float | None = None) -> tuple[Axis
     """
     a, b = a.select(~a.cones), b.select(~b.cones)
     faces = _joined([a, b])
-    found, tolerance = [], faces.fineness * DISTANCE_TOLERANCE
+    candidates, tolerance = [], faces.fineness * DISTANCE_TOLERANCE
     for rows in coaxial(faces.rays, tolerance, ANGLE_TOLERANCE):
         rows_a, rows_b = rows[rows < len(a)], rows[rows >= len(a)]
         if len(rows_a) and len(rows_b):
             line = _mate(faces, rows_a, rows_b)
             if radius is None or np.abs(np.array(line.radii) - radius).min() <= tolerance:
-                found.append(line)
-    return tuple(sorted(found, key=lambda line: line.order))
+                candidates.append(line)
+    return tuple(sorted(candidates, key=lambda line: line.order))
 
 
 def near_misses(a: AxisFaces, b: AxisFaces) -> tuple[NearMiss, ...]:
@@ -224,7 +224,7 @@ def choose(
     Args:
         near: A point [m] of the assembly.
         direction_only: Whether parallel lines are equivalent; the strongest of them is used.
-        selected: Whether ``found`` was already selected by a radius.
+        selected: Whether ``lines`` were already selected by a radius.
     """
     candidates = sorted(lines, key=lambda line: line.order)
     if near is not None and candidates:

@@ -90,8 +90,8 @@ def _best_of_blocks(a: Spans, b: Spans, fineness: float) -> Iterator[tuple[tuple
         second = np.where(apart, -widths, -overlaps).ravel()
         best = int(np.lexsort((second, first, ranks.ravel()))[0])
         i, j = divmod(best, len(b.radii))
-        found = Meeting(_RANKS[int(ranks[i, j])], (start + i, j), float(overlaps[i, j]))
-        yield (float(ranks[i, j]), float(first[best]), float(second[best])), found
+        meeting = Meeting(_RANKS[int(ranks[i, j])], (start + i, j), float(overlaps[i, j]))
+        yield (float(ranks[i, j]), float(first[best]), float(second[best])), meeting
 
 
 def _pairs(a: Spans, b: Spans, fineness: float) -> tuple[NDArray[np.intp], Array, Array]:

@@ -82,15 +82,15 @@ def close_pairs(a: Rays, b: Rays, distance: float, angle: float) -> tuple[Indice
     """Pairs of lines, one of each set, within ``distance`` [m] of each other's centre and ``angle`` [rad]."""
     (directions_a, kinds_a), (directions_b, kinds_b) = (_direction_kinds(rays.directions) for rays in (a, b))
     members_a, members_b = _members(kinds_a), _members(kinds_b)
-    found = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
+    pairs = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
     for i, j in _nearly_parallel(directions_a, directions_b, angle):
         rows_a, rows_b = members_a[i], members_b[j]
         plane = perpendicular_frame(directions_a[i])[:, :2]
         p, q = _close_points(a.centers[rows_a] @ plane, b.centers[rows_b] @ plane, distance)
         rows_a, rows_b = rows_a[p], rows_b[q]
         apart = gaps(a.rows(rows_a), b.rows(rows_b))
-        found.append((rows_a[apart <= distance], rows_b[apart <= distance]))
-    return np.concatenate([rows for rows, _ in found]), np.concatenate([rows for _, rows in found])
+        pairs.append((rows_a[apart <= distance], rows_b[apart <= distance]))
+    return np.concatenate([rows for rows, _ in pairs]), np.concatenate([rows for _, rows in pairs])
 
 
 def gaps(a: Rays, b: Rays) -> Array:
@@ -113,7 +113,7 @@ def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices
     stride = int(max(cells_p[:, 1].max(), cells_q[:, 1].max())) + 2
     keys_q = cells_q[:, 0] * stride + cells_q[:, 1]
     order = np.argsort(keys_q, kind="stable")
-    found = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
+    pairs = [(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))]
     for dx in (-1, 0, 1):
         # Three cells adjacent in y have consecutive keys.
         keys = (cells_p[:, 0] + dx) * stride + cells_p[:, 1]
@@ -123,5 +123,5 @@ def _close_points(P: Array, Q: Array, distance: float) -> tuple[Indices, Indices
         offsets = np.arange(len(p)) - np.repeat(np.cumsum(counts) - counts, counts)
         q = order[np.repeat(start, counts) + offsets]
         close = np.linalg.norm(P[p] - Q[q], axis=1) <= distance * (1 + 1e-9)
-        found.append((p[close], q[close]))
-    return np.concatenate([p for p, _ in found]), np.concatenate([q for _, q in found])
+        pairs.append((p[close], q[close]))
+    return np.concatenate([p for p, _ in pairs]), np.concatenate([q for _, q in pairs])

@@ -44,14 +44,14 @@ def read_faces(faces: list[Any], errors: list[str]) -> tuple[Face, ...]:
 
 def _read_face(face: Any) -> Face | None:
     surface = BRepAdaptor_Surface(face)
-    found = _geometry(face, surface)
+    geometry = _geometry(face, surface)
     box = _box(face)
-    if isinstance(found, gp_Pln):
-        return _plane(face, surface, found, box)
-    if isinstance(found, gp_Cylinder | gp_Cone):
-        return _revolved(face, surface, found, box)
-    if isinstance(found, gp_Sphere):
-        return _sphere(face, surface, found, box)
+    if isinstance(geometry, gp_Pln):
+        return _plane(face, surface, geometry, box)
+    if isinstance(geometry, gp_Cylinder | gp_Cone):
+        return _revolved(face, surface, geometry, box)
+    if isinstance(geometry, gp_Sphere):
+        return _sphere(face, surface, geometry, box)
     if surface.GetType() == GeomAbs_SurfaceType.GeomAbs_Torus:
         torus = surface.Torus()
         point, direction = _metres(torus.Location()), _xyz(torus.Axis().Direction())

@@ -55,9 +55,9 @@ def curve_of(adaptor: Any, dimensions: int) -> Curve:
     if kind in _CONICS:
         breaks = np.linspace(first, last, max(1, int(np.ceil((last - first) / _QUARTER - 1e-9))) + 1)
     else:
-        found = Array1_double(1, adaptor.NbIntervals(GeomAbs_Shape.GeomAbs_CN) + 1)
-        adaptor.Intervals(found, GeomAbs_Shape.GeomAbs_CN)
-        breaks = np.array(list(found))
+        bounds = Array1_double(1, adaptor.NbIntervals(GeomAbs_Shape.GeomAbs_CN) + 1)
+        adaptor.Intervals(bounds, GeomAbs_Shape.GeomAbs_CN)
+        breaks = np.array(list(bounds))
     return Curve(_sampler(adaptor, dimensions), breaks, False, first, last)
 
 
@@ -120,8 +120,8 @@ def _poles(data: bytes, at: int, count: int, dimensions: int, rational: bool) ->
 
 def _knots(data: bytes, at: int, count: int) -> tuple[Array, int]:
     """Knots, repeated by their multiplicity, and their end."""
-    found = np.frombuffer(data, _KNOT, count, at)
-    return np.repeat(found["knot"], found["multiplicity"]).astype(np.float64), at + _KNOT.itemsize * count
+    knots = np.frombuffer(data, _KNOT, count, at)
+    return np.repeat(knots["knot"], knots["multiplicity"]).astype(np.float64), at + _KNOT.itemsize * count
 
 
 def _sampler(adaptor: Any, dimensions: int) -> Callable[[Array], tuple[Array, Array]]:
@@ -129,13 +129,13 @@ def _sampler(adaptor: Any, dimensions: int) -> Callable[[Array], tuple[Array, Ar
     point, tangent = (gp_Pnt2d(), gp_Vec2d()) if dimensions == 2 else (gp_Pnt(), gp_Vec())
 
     def at(t: Array) -> tuple[Array, Array]:
-        found = np.empty((2, len(t), dimensions))
+        values = np.empty((2, len(t), dimensions))
         for i, parameter in enumerate(t.tolist()):
             adaptor.D1(parameter, point, tangent)
             if dimensions == 2:
-                found[:, i] = (point.X(), point.Y()), (tangent.X(), tangent.Y())
+                values[:, i] = (point.X(), point.Y()), (tangent.X(), tangent.Y())
             else:
-                found[:, i] = (point.X(), point.Y(), point.Z()), (tangent.X(), tangent.Y(), tangent.Z())
-        return found[0], found[1]
+                values[:, i] = (point.X(), point.Y(), point.Z()), (tangent.X(), tangent.Y(), tangent.Z())
+        return values[0], values[1]
 
     return at

@@ -168,17 +168,17 @@ class Boundary:
         Returns:
             Shape (10,), as of :meth:`integrals`; and the error, relative, of volume, centre and inertia.
         """
-        found = list(self._undivided)
-        changes = [a - surface.integrals(1, coarse=True) for surface, a in zip(self._surfaces, found, strict=True)]
-        total = _sum(found)
-        for k in np.flatnonzero(relative_sizes(np.array(changes), total) > tolerance / len(found)):
+        settled = list(self._undivided)
+        changes = [a - surface.integrals(1, coarse=True) for surface, a in zip(self._surfaces, settled, strict=True)]
+        total = _sum(settled)
+        for k in np.flatnonzero(relative_sizes(np.array(changes), total) > tolerance / len(settled)):
             parts, error = 1, np.inf
-            while parts < _MOST_PARTS and error > tolerance / len(found):
+            while parts < _MOST_PARTS and error > tolerance / len(settled):
                 parts *= 2
                 finer = self._surfaces[k].integrals(parts)
-                changes[k], found[k] = finer - found[k], finer
+                changes[k], settled[k] = finer - settled[k], finer
                 error = relative_sizes(changes[k][None], total)[0]
-        total = _sum(found)
+        total = _sum(settled)
         open_ = [surface.undetermined() for surface in self._surfaces]
         return total, float(relative_sizes(np.array(changes + open_), total).sum())
 
@@ -283,9 +283,9 @@ def _splined(surface: SplineSurface, origin: Array) -> Patch:
 
 def _intervals(surface: Any, direction: str) -> Array:
     smooth = GeomAbs_Shape.GeomAbs_CN
-    found = Array1_double(1, getattr(surface, f"Nb{direction}Intervals")(smooth) + 1)
-    getattr(surface, f"{direction}Intervals")(found, smooth)
-    return np.array(list(found))
+    bounds = Array1_double(1, getattr(surface, f"Nb{direction}Intervals")(smooth) + 1)
+    getattr(surface, f"{direction}Intervals")(bounds, smooth)
+    return np.array(list(bounds))
 
 
 def _panels(start: Array, end: Array, breaks: Array, parts: int) -> Iterator[tuple[Indices, Array, Array, Array]]:

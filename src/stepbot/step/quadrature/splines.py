@@ -35,12 +35,12 @@ class Basis(Struct, frozen=True, eq=False, dict=True):
 
         A rational function is nearer to one on half a span.
         """
-        found = self.distinct
+        values = self.distinct
         if rational:
-            found = np.sort(np.concatenate([found, 0.5 * (found[1:] + found[:-1])]))
+            values = np.sort(np.concatenate([values, 0.5 * (values[1:] + values[:-1])]))
         if self.period:
-            found = distinct(np.concatenate([found + k * self.period for k in (-1, 0, 1)]))
-        return found
+            values = distinct(np.concatenate([values + k * self.period for k in (-1, 0, 1)]))
+        return values
 
     def at(self, t: Array) -> tuple[Indices, Array, Array]:
         """Evaluate the functions that are not zero at each parameter; beyond the domain the last polynomial goes on.
@@ -115,8 +115,8 @@ class SplineSurface(Struct, frozen=True, eq=False):
         """
         poles = self.poles if is_rational(self.poles) else self.poles[..., :3]
         first, values, derivatives = self.u.at(u)
-        found = _sums(poles, first, values), _sums(poles, first, derivatives)
-        return np.ascontiguousarray(found[0].T), np.ascontiguousarray(found[1].T)
+        both = _sums(poles, first, values), _sums(poles, first, derivatives)
+        return np.ascontiguousarray(both[0].T), np.ascontiguousarray(both[1].T)
 
     def at(self, sections: tuple[Array, Array], rows: Indices, v: Array) -> tuple[Array, ...]:
         """Points and derivatives by u and v, each (3, n, m), of the numbered sections (m,).

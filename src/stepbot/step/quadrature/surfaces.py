@@ -168,13 +168,13 @@ def sampled(adaptor: Any, origin: Array, breaks: tuple[Array, Array]) -> Patch:
     def section(u: Array, _faces: Indices) -> Section:
         def at(rows: Indices, v: Array) -> tuple[Array, Array]:
             v = np.broadcast_to(v, (len(v), len(rows)))
-            found = np.empty((9, v.size))
+            values = np.empty((9, v.size))
             point, by_u, by_v = gp_Pnt(), gp_Vec(), gp_Vec()
             us = np.broadcast_to(u[rows], v.shape)
             for i, (a, b) in enumerate(zip(us.reshape(-1).tolist(), v.reshape(-1).tolist(), strict=True)):
                 adaptor.D1(a, b, point, by_u, by_v)
-                found[:, i] = [c for each in (point, by_u, by_v) for c in (each.X(), each.Y(), each.Z())]
-            points, along_u, along_v = found.reshape(3, 3, *v.shape)
+                values[:, i] = [c for each in (point, by_u, by_v) for c in (each.X(), each.Y(), each.Z())]
+            points, along_u, along_v = values.reshape(3, 3, *v.shape)
             return _with_flux(points - origin[:, None, None], along_u, along_v)
 
         return at

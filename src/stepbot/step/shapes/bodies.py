@@ -88,10 +88,10 @@ class _Work(Struct):
     ) -> tuple[T, ...]:
         """What is read of each face, without the faces that it fails on."""
         errors: list[str] = []
-        found: tuple[T, ...] = self.optional(what, lambda: read(faces, errors), ())
+        results: tuple[T, ...] = self.optional(what, lambda: read(faces, errors), ())
         if errors:
             self.say("SB233", f"{what} failed on {len(errors)} of its {len(faces)} faces ({errors[0]})")
-        return found
+        return results
 
 
 def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
@@ -110,17 +110,17 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     result = fitted(work.healed.shape, wanted, size)
     if result.mesh.open_edges and work.optional("sewing its faces", lambda: _sew(work), False):
         result = fitted(work.healed.shape, wanted, size)
-    found = faces_of(work.healed.shape)
+    healed_faces = faces_of(work.healed.shape)
     if request.area:
         work.area = work.optional("integrating its area", lambda: surface_area(work.healed.shape), math.nan)
-    axes = work.of_faces("finding axes", axis_faces, found)
+    axes = work.of_faces("finding axes", axis_faces, healed_faces)
     mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
     watertight = is_watertight(mesh.faces)
     defect = _defect(work, result, wanted, watertight)
     refined = _refined(work, mesh, result, request, watertight)
     face_colors, colors = _colored(source.face_colors, work.healed.origin, result.mesh)
-    counts: tuple[tuple[str, int], ...] = work.optional("counting its faces", lambda: face_counts(found), ())
-    faces = work.of_faces("reading faces", read_faces, found) if request.faces else ()
+    counts: tuple[tuple[str, int], ...] = work.optional("counting its faces", lambda: face_counts(healed_faces), ())
+    faces = work.of_faces("reading faces", read_faces, healed_faces) if request.faces else ()
     body = Body(
         *(work.kind, mesh, face_colors, colors, watertight, defect, work.exact, work.exact_error, refined, axes),
         area=work.area,

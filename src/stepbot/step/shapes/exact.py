@@ -90,18 +90,18 @@ def refine(
     fine, best, off = start, None, math.inf
     unclosed = 0
     while True:
-        found = measured(mesh)
-        if found is None:
+        properties = measured(mesh)
+        if properties is None:
             unclosed += 1
             if unclosed > _UNCLOSED:
                 return best, "its measuring mesh is not watertight"
             step = _COARSEST_STEP
         elif exact is None:
-            return found, ""
+            return properties, ""
         else:
-            now = found.deviation_from(exact)[0]
+            now = properties.deviation_from(exact)[0]
             if now < off:
-                best, off = found, now
+                best, off = properties, now
             if off <= wanted:
                 return best, ""
             # A mesh's deviation grows with the square of its tolerances; so does, at most, the number of its faces.

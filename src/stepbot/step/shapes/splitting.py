@@ -113,13 +113,13 @@ def variant(body: Body, *, is_mirrored: bool, scale: float) -> Body:
     )
 
 
-def _properties(found: VolumeProperties | None, factors: Array, scale: float) -> VolumeProperties | None:
-    if found is None:
+def _properties(exact: VolumeProperties | None, factors: Array, scale: float) -> VolumeProperties | None:
+    if exact is None:
         return None
     S = np.diag(factors / scale)
-    inertia = S @ np.array(found.unit_density.inertia) @ S  # a reflection is its own inverse
-    com = factors * np.array(found.unit_density.com)
-    return VolumeProperties.of(found.volume * scale**3, com, inertia * scale**5)
+    inertia = S @ np.array(exact.unit_density.inertia) @ S  # a reflection is its own inverse
+    com = factors * np.array(exact.unit_density.com)
+    return VolumeProperties.of(exact.volume * scale**3, com, inertia * scale**5)
 
 
 def _axis_face(face: AxisFace, factors: Array, scale: float) -> AxisFace:

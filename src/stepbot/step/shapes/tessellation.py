@@ -138,8 +138,8 @@ def tessellated_once(shape: Any, wanted: Fineness, algorithm: IMeshTools_MeshAlg
     faces = faces_of(shape)
     BRepTools.Clean_s(shape)
     _mesh(shape, wanted, algorithm)
-    found, missing = faceted_faces(faces)
-    return Tessellation(split(stitched(found, edge_uses(faces))), wanted, missing)
+    tessellation, missing = faceted_faces(faces)
+    return Tessellation(split(stitched(tessellation, edge_uses(faces))), wanted, missing)
 
 
 def _ways(faces: list[Any]) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:

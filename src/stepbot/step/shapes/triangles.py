@@ -94,11 +94,11 @@ def _arrays(triangulations: list[Any]) -> list[tuple[Array, NDArray[np.int32]]]:
     offset = data.index(b"\n", section) + 1
     if int(data[section : offset - 1]) != len(distinct):
         raise AssertionError("the kernel wrote another number of triangulations than it was given")
-    found = {}
+    arrays = {}
     for key in distinct:
         nodes, triangles, offset = _triangulation(data, offset)
-        found[key] = (nodes, triangles)
-    return [found[id(triangulation)] for triangulation in triangulations]
+        arrays[key] = (nodes, triangles)
+    return [arrays[id(triangulation)] for triangulation in triangulations]
 
 
 def _triangulation(data: bytes, offset: int) -> tuple[Array, NDArray[np.int32], int]:

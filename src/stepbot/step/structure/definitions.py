@@ -144,16 +144,18 @@ class Definitions:
         return index
 
     def _read_children(self, label: Any, definition: Definition, precision: float) -> None:
-        components = _listed(lambda found: XCAFDoc_ShapeTool.GetComponents_s(label, found, False))
+        components = _listed(lambda occurrence: XCAFDoc_ShapeTool.GetComponents_s(label, occurrence, False))
         below = []
         for component in components:
             referred = TDF_Label()
             XCAFDoc_ShapeTool.GetReferredShape_s(component, referred)
             below.append(self._read(referred, precision))
         products = [self.all[index].product for index in below]
-        found = self._products.occurrences_of(definition.product, products, [_name(label) for label in components])
+        occurrences = self._products.occurrences_of(
+            definition.product, products, [_name(label) for label in components]
+        )
         children: list[tuple[int, Child]] = []
-        for index, occurrence, component in zip(below, found, components, strict=True):
+        for index, occurrence, component in zip(below, occurrences, components, strict=True):
             matrix = matrices_of([XCAFDoc_ShapeTool.GetLocation_s(component).Transformation()])[0]
             color = self._colors.of_label(component)
             children.append((occurrence, Child(index, self._products.name_of(occurrence), matrix, color, occurrence)))

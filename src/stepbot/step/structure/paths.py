@@ -149,10 +149,10 @@ def _matches_parts(name: str, parts: Sequence[str]) -> bool:
         return False
     at = len(first)
     for part in middle:
-        found = name.find(part, at, end)
-        if found < 0:
+        at_part = name.find(part, at, end)
+        if at_part < 0:
             return False
-        at = found + len(part)
+        at = at_part + len(part)
     return at <= end
 
 
@@ -252,15 +252,15 @@ class ComponentPaths:
 
     def _match_whole(self, segments: Sequence[_Segment]) -> list[int]:
         """Components whose whole path matches segments without stars, in file order."""
-        found = [0]
+        components = [0]
         for segment in segments:
-            named = (child for parent in found for child in self._children.get((parent, segment.name), ()))
-            found = [child for child in named if self._matches(segment, child)]
-        return sorted(found)
+            named = (child for parent in components for child in self._children.get((parent, segment.name), ()))
+            components = [child for child in named if self._matches(segment, child)]
+        return sorted(components)
 
     def _match_ends(self, segments: Sequence[_Segment]) -> dict[int, int]:
         """Components whose path ends with the segments, each with the parent of the first segment."""
-        found = {}
+        ends = {}
         for index in self._by_name.get(segments[-1].name, ()):
             at = index
             for segment in reversed(segments):
@@ -268,8 +268,8 @@ class ComponentPaths:
                     break
                 at = self._components[at].parent
             else:
-                found[index] = at
-        return found
+                ends[index] = at
+        return ends
 
     def _glob(self, segments: Sequence[_Segment]) -> list[int]:
         """Components whose whole path matches: an automaton whose states are bits, run down the tree."""

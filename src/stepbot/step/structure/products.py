@@ -124,16 +124,16 @@ class Products:
         for index in reversed(self._below.get(assembly, [])):
             expected[self.occurrences[index].product].append(index)
         counts = Counter(products)
-        found = []
+        numbers = []
         for product, mark in zip(products, marks, strict=True):
             candidates = expected.get(product, [])
             # In file order, as the kernel builds them; if it built fewer, the mark identifies them.
             if product != NONE and len(candidates) == counts[product]:
-                found.append(candidates.pop())
+                numbers.append(candidates.pop())
                 counts[product] -= 1
             else:
-                found.append(_number(mark, _OCCURRENCE))
-        return found
+                numbers.append(_number(mark, _OCCURRENCE))
+        return numbers
 
     def name_of(self, occurrence: int) -> str:
         """Name of an occurrence; empty for none."""
@@ -191,12 +191,12 @@ def _first(*strings: Any) -> str:
 
 def _precisions(session: Any) -> dict[int, float]:
     """For each product definition, by identity, the uncertainty [mm] of its shape."""
-    found: dict[int, float] = {}
+    precisions: dict[int, float] = {}
     for relation in entities(session, StepShape_ShapeDefinitionRepresentation):
         shape = relation.Definition().Value()
         if not isinstance(shape, StepRepr_ProductDefinitionShape) or relation.UsedRepresentation() is None:
             continue
         definition = shape.Definition().Value()
         if isinstance(definition, StepBasic_ProductDefinition):
-            found.setdefault(id(definition), precision(relation.UsedRepresentation().ContextOfItems()))
-    return found
+            precisions.setdefault(id(definition), precision(relation.UsedRepresentation().ContextOfItems()))
+    return precisions

@@ -79,7 +79,7 @@ def grow(
     place: str,
     diagnostics: Diagnostics,
 ) -> Tree | None:
-    """Expand definitions into the tree of their occurrences; None, with the reason in ``found``, on failure.
+    """Expand definitions into the tree of their occurrences; None, with the reason in ``diagnostics``, on failure.
 
     Args:
         roots: Those that occur nowhere else; several become children of an unnamed root.
@@ -104,7 +104,7 @@ def grow(
 def _follow(
     definitions: Sequence[Definition], roots: Sequence[int], place: str, diagnostics: Diagnostics
 ) -> list[_Node] | None:
-    """All components, depth first in file order; None, with SB215 in ``found``, if there are too many."""
+    """All components, depth first in file order; None, with SB215 in ``diagnostics``, if there are too many."""
     nodes: list[_Node] = []
     pending = [_Node(NONE, Child(index, "", np.eye(4), None), np.eye(4)) for index in roots]
     if len(roots) != 1:

@@ -50,7 +50,7 @@ def compare(
     place: str,
     diagnostics: Diagnostics,
 ) -> tuple[Validation, ...]:
-    """Compare each value with the geometry; differences, and values that cannot be compared, are reported in ``found``.
+    """Compare each value with the geometry, and report differences and values that cannot be compared.
 
     Args:
         bodies: The bodies read, by the number of the definition and of the body in it.

@@ -137,7 +137,7 @@ def read_statements(session: Any) -> list[tuple[Any, Quantity, tuple[float, ...]
     Args:
         session: The reader's work session.
     """
-    found = []
+    statements = []
     for relation in entities(session, StepRepr_PropertyDefinitionRepresentation):
         definition = relation.Definition().Value()
         if not isinstance(definition, StepRepr_PropertyDefinition) or relation.UsedRepresentation() is None:
@@ -148,8 +148,8 @@ def read_statements(session: Any) -> list[tuple[Any, Quantity, tuple[float, ...]
         for item in items(representation):
             quantity = _quantity(item, f"{text(item.Name())} {text(representation.Name())}".lower())
             if quantity is not None:
-                found.append((subject, quantity, _value(item, quantity, representation)))
-    return found
+                statements.append((subject, quantity, _value(item, quantity, representation)))
+    return statements
 
 
 class Solids:
@@ -203,16 +203,16 @@ class Solids:
 
     def _solids(self, definition: Any) -> list[Any]:
         """The solids of a product definition, in the order in which its representations list them."""
-        waiting, found = list(self._shapes[id(definition)]), []
+        waiting, solids = list(self._shapes[id(definition)]), []
         seen = set()
         while waiting:
             representation = waiting.pop(0)
             if id(representation) not in seen:
                 seen.add(id(representation))
-                found += [item for item in items(representation) if isinstance(item, StepShape_SolidModel)]
+                solids += [item for item in items(representation) if isinstance(item, StepShape_SolidModel)]
                 waiting += self._related[id(representation)]
-        self._kept += found
-        return found
+        self._kept += solids
+        return solids
 
 
 def _quantity(item: Any, name: str) -> Quantity | None:

@@ -78,14 +78,14 @@ class LinkPair:
 
     def depth(self, R_AB: Array, p_AB: Array) -> float | None:
         """Largest penetration [m] of any two shapes at a pose; infinite without a depth, None without an overlap."""
-        found = self.deepest(R_AB, p_AB)
-        return None if found is None else found[0]
+        contact = self.deepest(R_AB, p_AB)
+        return None if contact is None else contact[0]
 
     def deepest(self, R_AB: Array, p_AB: Array) -> tuple[float, Array | None] | None:
         """:meth:`.Pair.deepest` of the two shapes that overlap most at a pose; None without an overlap."""
         (meet,) = self._squared(R_AB[None], p_AB[None]) <= self._reach * self._reach
-        found = [self._pair(i, j).deepest(R_AB, p_AB) for i, j in self._order if meet[i, j]]
-        return max((one for one in found if one is not None), key=lambda one: one[0], default=None)
+        contacts = [self._pair(i, j).deepest(R_AB, p_AB) for i, j in self._order if meet[i, j]]
+        return max((one for one in contacts if one is not None), key=lambda one: one[0], default=None)
 
     def _squared(self, R_AB: Array, p_AB: Array) -> Array:
         """Squared distances (n, a, b) [m^2] of the centres of all shapes, at each of n poses."""
@@ -103,7 +103,7 @@ class LinkPair:
 def separate_links(robot: Robot) -> Iterator[LinkPair]:
     """The pairs of links with collision shapes that are not adjacent, in the order of the links."""
     shapes, close = shapes_of(robot), neighbours(robot)
-    for a, b in combinations([name for name, found in shapes.items() if found], 2):
+    for a, b in combinations([name for name, pieces in shapes.items() if pieces], 2):
         if frozenset((a, b)) not in close:
             yield LinkPair(a, b, shapes[a], shapes[b])
 
@@ -135,13 +135,13 @@ def overlaps(robot: Robot) -> tuple[Overlap, ...]:
     """The pairs of links that overlap in the drawn pose, except adjacent ones, in the order of the links."""
     tree = Tree(robot)
     X = tree.frames(tree.follow(tree.vector(complete(robot, initial_configuration(robot))))[None])
-    found = []
+    results = []
     for pair in separate_links(robot):
         R, p = placed(tree, X, pair)
         depth = pair.depth(R[0], p[0])
         if depth is not None:
-            found.append((pair.a, pair.b, None if isinf(depth) else depth))
-    return tuple(found)
+            results.append((pair.a, pair.b, None if isinf(depth) else depth))
+    return tuple(results)
 
 
 _AT_ONCE = 10_000
@@ -164,11 +164,11 @@ def matrix(robot: Robot, samples: int, seed: int = 1) -> SelfCollision:
     overlapping: list[list[NDArray[np.int64]]] = [[] for _ in separate]
     for start in range(0, len(q), _AT_ONCE):
         X = tree.frames(q[start : start + _AT_ONCE])
-        for pair, found in zip(separate, overlapping, strict=True):
-            found.append(start + np.flatnonzero(pair.overlapping(placed(tree, X, pair))))
+        for pair, overlap in zip(separate, overlapping, strict=True):
+            overlap.append(start + np.flatnonzero(pair.overlapping(placed(tree, X, pair))))
     compared = {
-        (pair.a, pair.b): _classified(pair, np.concatenate(found), tree, q)
-        for pair, found in zip(separate, overlapping, strict=True)
+        (pair.a, pair.b): _classified(pair, np.concatenate(overlap), tree, q)
+        for pair, overlap in zip(separate, overlapping, strict=True)
     }
     close, links = neighbours(robot), [link.name for link in robot.links if link.collisions]
     pairs = (

@@ -201,8 +201,8 @@ class Pair:
         nowhere, and has no point. None if the shapes do not overlap.
         """
         self._place(R_AB, p_AB)
-        found = self._contact(self._requests[-1])
-        return found or ((inf, None) if self._encloses(R_AB, p_AB) else None)
+        contact = self._contact(self._requests[-1])
+        return contact or ((inf, None) if self._encloses(R_AB, p_AB) else None)
 
     def _place(self, R_AB: Array, p_AB: Array) -> None:
         import fcl

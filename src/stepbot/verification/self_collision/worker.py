@@ -39,7 +39,7 @@ class _Search:
     def contacts(self, q: Mapping[str, float]) -> tuple[Contact, ...]:
         """The links that overlap."""
         X = self.tree.frames(np.array([[q[name] for name in self.tree.joints]], dtype=np.float64))
-        found = []
+        contacts = []
         for pair in self.pairs:
             (R,), (p,) = placed(self.tree, X, pair)
             if not pair.boxes_meet(R, p):
@@ -48,8 +48,8 @@ class _Search:
             if deepest is not None:
                 depth, point = deepest
                 at = None if point is None else vector3(point)
-                found.append(Contact(pair.a, pair.b, None if isinf(depth) else depth, at))
-        return tuple(found)
+                contacts.append(Contact(pair.a, pair.b, None if isinf(depth) else depth, at))
+        return tuple(contacts)
 
 
 class _Kept:
@@ -93,9 +93,9 @@ class ContactSearch:
             RemoteError: The function raised.
         """
         self._worker.submit(self._robot, q, more=True)
-        found: tuple[Contact, ...] = self._worker.result(timeout)
+        contacts: tuple[Contact, ...] = self._worker.result(timeout)
         self._robot = None  # the process keeps it
-        return found
+        return contacts
 
     def close(self) -> None:
         """End the process."""

@@ -130,27 +130,27 @@ def joints_section(robot: Robot, rows: Iterable[JointRow]) -> Markup:
 
 
 def _joint_row(one: JointRow, joint: Joint | None) -> Markup:
-    found = one.evidence
+    evidence = one.evidence
     axis = "–" if one.axis is None else direction_words(one.axis)
     second = "" if one.axis2 is None else f", {direction_words(one.axis2)}"
     others = (
         element(
             "details",
-            element("summary", f"{len(found.rivals)} other lines"),
-            element("ul", (element("li", rival_words(rival)) for rival in found.rivals)),
+            element("summary", f"{len(evidence.rivals)} other lines"),
+            element("ul", (element("li", rival_words(rival)) for rival in evidence.rivals)),
         )
-        if found.rivals
+        if evidence.rivals
         else None
     )
-    weak = element("div.warn", f"weak: {found.doubt}") if found.doubt else None
+    weak = element("div.warn", f"weak: {evidence.doubt}") if evidence.doubt else None
     return table_row(
-        f"{'? ' if found.doubt else ''}{one.name}",
+        f"{'? ' if evidence.doubt else ''}{one.name}",
         f"{one.kind}{' closure' if one.is_closure else ''}",
         f"{one.parent} → {one.child}",
         *_limits(joint),
         element("td.number", axis + second),
         element("td.number", "not reported" if one.origin is None else point_words(one.origin)),
-        (evidence_words(found), weak, others),
+        (evidence_words(evidence), weak, others),
         data_joint=one.name,
     )
 

@@ -126,14 +126,14 @@ _WORDS = frozenset({"true", "false", "yes", "no", "on", "off", "null", "y", "n",
 """Identifiers that some YAML readers do not take for strings."""
 
 
-def kinematics(found: Sequence[Chain]) -> str:
+def kinematics(arms: Sequence[Chain]) -> str:
     """``kinematics.yaml``: KDL's solver for each group."""
     solver = {
         "kinematics_solver": "kdl_kinematics_plugin/KDLKinematicsPlugin",
         "kinematics_solver_search_resolution": 0.005,
         "kinematics_solver_timeout": 0.05,
     }
-    return yaml_text({chain.name: solver for chain in found})
+    return yaml_text({chain.name: solver for chain in arms})
 
 
 def cartesian_limits() -> str:
@@ -183,9 +183,9 @@ def _further(limit: Limit) -> dict[str, float | bool]:
 
 def moveit_controllers(robot: Robot) -> str:
     """``moveit_controllers.yaml``: the trajectory controllers of the joints with position actuators."""
-    found = driven(robot, ActuatorKind.POSITION)
+    joints = driven(robot, ActuatorKind.POSITION)
     action = {"action_ns": "follow_joint_trajectory", "type": "FollowJointTrajectory", "default": True}
-    manager = {"controller_names": list(found), **{name: {**action, "joints": one} for name, one in found.items()}}
+    manager = {"controller_names": list(joints), **{name: {**action, "joints": one} for name, one in joints.items()}}
     return yaml_text(
         {
             "moveit_controller_manager": "moveit_simple_controller_manager/MoveItSimpleControllerManager",

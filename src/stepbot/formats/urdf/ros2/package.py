@@ -87,20 +87,20 @@ def ros2_package(robot: Robot, package: str, allowed: Mapping[str, float]) -> di
         allowed: The acceleration [rad/s^2] or [m/s^2] that the efforts of the whole robot, with its armatures and
             loops, allow each joint.
     """
-    found, _ = groups(robot)
-    needed = (*(_CONTROL if robot.actuators else ()), *(_PLAN if found else ()))
+    planned, _ = groups(robot)
+    needed = (*(_CONTROL if robot.actuators else ()), *(_PLAN if planned else ()))
     texts = {
         MANIFEST: package_xml(robot, package, needed),
-        "CMakeLists.txt": cmake_lists(robot, package, [_ASSISTANT] if found else ()),
+        "CMakeLists.txt": cmake_lists(robot, package, [_ASSISTANT] if planned else ()),
         "launch/view.launch.py": view_launch(robot, package),
         "launch/gazebo.launch.py": gazebo_launch(robot, package),
         "rviz/view.rviz": rviz(robot),
         "config/joint_limits.yaml": joint_limits(robot, allowed),
     }
-    if found:
+    if planned:
         texts |= {
             _ASSISTANT: setup_assistant(robot, package),
-            "config/kinematics.yaml": kinematics(found),
+            "config/kinematics.yaml": kinematics(planned),
             "config/pilz_cartesian_limits.yaml": cartesian_limits(),
             "config/moveit.rviz": moveit_rviz(robot),
             "config/moveit_controllers.yaml": moveit_controllers(robot),
