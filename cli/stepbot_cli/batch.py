@@ -194,7 +194,7 @@ def _report(diagnostics: Diagnostics, outcomes: "Sequence[Outcome]", output: Pat
         write_result(f"{counted(len(outcomes), 'robot')} in {printable(output.as_posix())}: {words}")
     show_diagnostics(diagnostics, display)
     for outcome in failed:
-        show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], display)
+        show_diagnostics([diagnostic for diagnostic in outcome.diagnostics if diagnostic.severity == "error"], display)
     if shown:
         write_result("\n".join(_table(outcomes)))
     return code
@@ -206,7 +206,7 @@ def _table(outcomes: "Sequence[Outcome]") -> list[str]:
     texts = [("robot", RESULT, "checks", "warnings", "seconds")]
     for outcome in outcomes:
         checks = check_counts(outcome)
-        warnings = sum(one.severity == "warning" for one in outcome.diagnostics)
+        warnings = sum(diagnostic.severity == "warning" for diagnostic in outcome.diagnostics)
         passed = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in checks.items() if count) or "-"
         seconds = f"{outcome.seconds:.1f}" if outcome.seconds else "-"
         texts.append((printable(outcome.task.name), outcome.status.value, passed, str(warnings or "-"), seconds))

@@ -300,10 +300,10 @@ def _show_in_full(report: "Results") -> None:
     if report.masses:
         write_filled(mass_summary(report.masses), *(f"  {link}: {mass_words(m)}" for link, m in report.masses.items()))
     for name, motor in report.motors.items():
-        sources = (f"  {one.quantity} {one.value:.6g} {one.unit}: {one.source}" for one in motor.figures)
+        sources = (f"  {figure.quantity} {figure.value:.6g} {figure.unit}: {figure.source}" for figure in motor.figures)
         write_filled(f"actuator {name}: motor {motor.name}", *sources)
     if shapes := report.collision_shapes:
-        links = (f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes)
+        links = (f"  {shape.link}: {collision_summary([shape]).partition(': ')[2]}" for shape in shapes)
         write_filled(collision_summary(shapes), *links)
     if report.checks:
         show_table(report)

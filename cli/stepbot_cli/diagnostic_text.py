@@ -58,7 +58,7 @@ def screen(
         width: Width of the screen; None if unknown, for lines that are not truncated.
         counts: Whether to end with the number of each severity.
     """
-    causes = _by_cause(one for one in diagnostics if one.severity != "note")
+    causes = _by_cause(diagnostic for diagnostic in diagnostics if diagnostic.severity != "note")
     in_full, brief, folded = _sorted_out(causes)
     lines = [full(in_full, color=color, width=width or FRAME_WIDTH, most_notes=MOST_NOTES), ""] if in_full else []
     lines += [*(_headline(error, color) for error in brief), ""] if brief else []
@@ -73,16 +73,16 @@ def screen(
 def _by_cause(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
     """One diagnostic for all whose messages differ only in their subject: the first, which names the others."""
     causes: dict[tuple[str, ...], list[Diagnostic]] = {}
-    for one in diagnostics:
-        name = _SUBJECT.search(one.message)
-        cause = one.message.replace(name[0], "''") if name else str(one)
-        causes.setdefault((one.code, one.severity, one.span.file, cause), []).append(one)
+    for diagnostic in diagnostics:
+        name = _SUBJECT.search(diagnostic.message)
+        cause = diagnostic.message.replace(name[0], "''") if name else str(diagnostic)
+        causes.setdefault((diagnostic.code, diagnostic.severity, diagnostic.span.file, cause), []).append(diagnostic)
     return [_merged(first, others) if others else first for first, *others in causes.values()]
 
 
 def _merged(first: Diagnostic, others: Sequence[Diagnostic]) -> Diagnostic:
     """A diagnostic that names the subjects of the others, and the remedies of those that differ."""
-    shown = {f"{_subject(one)}{_line(one)}": one for one in others[:MOST_SUBJECTS]}
+    shown = {f"{_subject(other)}{_line(other)}": other for other in others[:MOST_SUBJECTS]}
     more = f" and {len(others) - len(shown)} more" if len(others) > len(shown) else ""
     name = _subject(first)
     usual = [text.replace(name, "''") for text in first.help]

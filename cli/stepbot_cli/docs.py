@@ -76,12 +76,12 @@ def command(word: str | None, no_open: bool, as_json: bool) -> int:
 def matching(sections: Sequence[Section], word: str) -> list[Section]:
     """The sections about a word, best first: a page of this name, then headings with it, texts with it; codes last."""
     key = word.removesuffix(".md").casefold()
-    sections = sorted(sections, key=lambda one: one.page == "diagnostics")
-    pages = [one for one in sections if one.page.casefold() == key][:1]
-    begun = [one for one in sections if one.heading.casefold().startswith(key)]
-    within = [one for one in sections if re.search(rf"\b{re.escape(key)}", one.heading.casefold())]
+    sections = sorted(sections, key=lambda section: section.page == "diagnostics")
+    pages = [section for section in sections if section.page.casefold() == key][:1]
+    begun = [section for section in sections if section.heading.casefold().startswith(key)]
+    within = [section for section in sections if re.search(rf"\b{re.escape(key)}", section.heading.casefold())]
     named = list(dict.fromkeys([*pages, *begun, *within]))
-    return named or [one for one in sections if key in one.text.casefold()]
+    return named or [section for section in sections if key in section.text.casefold()]
 
 
 def _sections(path: Path) -> Iterator[Section]:

@@ -64,7 +64,9 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     links = [
         {**picked(link, "name parts rest", name=names.links[link.name]), **_confidence(link)} for link in draft.links
     ]
-    contacts = [picked(one, "link part material evidence=why", link=names.links[one.link]) for one in draft.contacts]
+    contacts = [
+        picked(contact, "link part material evidence=why", link=names.links[contact.link]) for contact in draft.contacts
+    ]
     joints = [
         {
             "name": name,
@@ -98,7 +100,7 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
             _fused_document(one, name, names.links[one.link], text)
             for one, name in zip(draft.fused, names.freed, strict=True)
         ],
-        "questions": [_question_document(one) for one in draft.questions],
+        "questions": [_question_document(question) for question in draft.questions],
         "answers": dict(draft.answers),
         "offered": [
             {**picked(one, "parts type point direction", parts=[one.a, one.b]), **_confidence(one)}
@@ -201,9 +203,11 @@ def _asked(draft: "Draft") -> list[str]:
     if not draft.questions:
         return []
     lines = [f"  {counted(len(draft.questions), 'question')} for `init --interactive`, or as `answers` in the sidecar:"]
-    for one in draft.questions:
-        others = ", ".join(option.value for option in one.options if option is not one.drafted)
-        lines.append(f"    {printable(one.text)} drafted: {printable(one.drafted.value)}; or {printable(others)}")
+    for question in draft.questions:
+        others = ", ".join(option.value for option in question.options if option is not question.drafted)
+        lines.append(
+            f"    {printable(question.text)} drafted: {printable(question.drafted.value)}; or {printable(others)}"
+        )
     return lines
 
 

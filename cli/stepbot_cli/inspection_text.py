@@ -182,7 +182,7 @@ def _closed(assembly: Assembly) -> str:
 
 def _enclosing(assembly: Assembly) -> str:
     """Number of surfaces that are closed, and have a mass; empty if none is."""
-    surfaces = [assembly.bodies[one.body] for one in assembly.components if one.body >= 0]
+    surfaces = [assembly.bodies[component.body] for component in assembly.components if component.body >= 0]
     closed = sum(body.kind is BodyKind.SURFACE and body.watertight for body in surfaces)
     return f" ({closed} closed)" if closed else ""
 

@@ -159,7 +159,7 @@ def _location(one: Diagnostic) -> dict[str, Any]:
 def _fingerprints(diagnostics: Iterable[Diagnostic]) -> Iterator[tuple[Diagnostic, str]]:
     """Each diagnostic with a hash that stays the same when its line moves, and is its own in the report."""
     seen: Counter[tuple[str, str, str]] = Counter()
-    for one in diagnostics:
-        what = (_path(one), one.code, one.message)
+    for diagnostic in diagnostics:
+        what = (_path(diagnostic), diagnostic.code, diagnostic.message)
         seen[what] += 1
-        yield one, hashlib.sha256("\n".join((*what, str(seen[what]))).encode()).hexdigest()
+        yield diagnostic, hashlib.sha256("\n".join((*what, str(seen[what]))).encode()).hexdigest()

@@ -59,7 +59,7 @@ def _chosen(name: str, mine: "dict[str, MotorSection]") -> "dict[str, MotorSecti
     try:
         return dict([find_motor(name, mine)])
     except AmbiguousMotor as family:
-        return dict(find_motor(one, mine) for one in family.members)
+        return dict(find_motor(member, mine) for member in family.members)
     except UnknownMotor as unknown:
         near = f"did you mean {' or '.join(unknown.nearest)}?" if unknown.nearest else "`stepbot motors` lists all"
         raise click.BadParameter(f"{unknown}; {near}", param_hint="NAME") from None
@@ -67,7 +67,7 @@ def _chosen(name: str, mine: "dict[str, MotorSection]") -> "dict[str, MotorSecti
 
 def _row(name: str, motor: "MotorSection") -> tuple[str, ...]:
     figures = motor.figures()
-    effort, speed = (next((one for one in fields if one in figures), "") for fields in (_EFFORTS, _SPEEDS))
+    effort, speed = (next((field for field in fields if field in figures), "") for fields in (_EFFORTS, _SPEEDS))
     cells = [f"{figures[one].value:.4g} {motor.unit_of(one)}" if one else "-" for one in (effort, speed)]
     supply = f"{figures['voltage'].value:g} V" if "voltage" in figures else "-"
     return (name, motor.maker or "", motor.kind.value.replace("_", " "), supply, *cells)
@@ -94,7 +94,8 @@ def _lines(name: str, motor: "MotorSection") -> list[str]:
     lines += ["", *table_lines(rows, width)]
     if motor.alternatives:
         others = [
-            (one.field, f"{_text(one.value)} {motor.unit_of(one.field)}", one.source) for one in motor.alternatives
+            (alternative.field, f"{_text(alternative.value)} {motor.unit_of(alternative.field)}", alternative.source)
+            for alternative in motor.alternatives
         ]
         lines += ["", "other sources, which are never filled in:", *table_lines(others, width)]
     lines += [f"doubt: {key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items()]

@@ -97,7 +97,7 @@ def show_diagnostics(
     diagnostics: Iterable[Diagnostic], display: Display = _DEFAULT, *, as_result: bool = False
 ) -> None:
     """Print diagnostics and their numbers, to standard output if they are the command's result."""
-    shown = [one for one in diagnostics if not (display.quiet and one.severity == "note")]
+    shown = [diagnostic for diagnostic in diagnostics if not (display.quiet and diagnostic.severity == "note")]
     if display.machine:
         from .machine_output import FORMATS
 
@@ -127,7 +127,9 @@ def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display) -> None:
     """
     shown = Diagnostics()
     shown.extend(
-        one for one in diagnostics if display.verbose or one.severity != "note" or not _is_of_conversion(one.code)
+        diagnostic
+        for diagnostic in diagnostics
+        if display.verbose or diagnostic.severity != "note" or not _is_of_conversion(diagnostic.code)
     )
     shown.add_ignored(diagnostics.ignored)
     show_diagnostics(shown, display)

@@ -47,7 +47,7 @@ def command(
     from stepbot.verification.admission import robot_files
     from stepbot.verification.files import verify_files
 
-    files = tuple(one for path in files for one in robot_files(path))
+    files = tuple(file for path in files for file in robot_files(path))
     diagnostics = Diagnostics()
     diagnostics.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     with progress_bar(("verify",)) as progress:

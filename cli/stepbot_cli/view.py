@@ -150,7 +150,8 @@ def _check_writable(sidecar: Path, diagnostics: Diagnostics) -> None:
         check_writable(sidecar.parent)
     except StepbotError as error:
         diagnostics.extend(
-            one._replace(help=("copy the files to a folder that you can write to",)) for one in error.diagnostics
+            diagnostic._replace(help=("copy the files to a folder that you can write to",))
+            for diagnostic in error.diagnostics
         )
 
 
@@ -161,8 +162,14 @@ def _announce(diagnostics: Diagnostics, url: str, display: Display, drafted: str
     """
     if display.json:
         return write_document({"url": url}, diagnostics)
-    listed = [one for one in diagnostics if one.severity != "error"] if url and not display.verbose else []
-    show_diagnostics([one for one in diagnostics if one not in listed] if listed else diagnostics, display)
+    listed = (
+        [diagnostic for diagnostic in diagnostics if diagnostic.severity != "error"]
+        if url and not display.verbose
+        else []
+    )
+    show_diagnostics(
+        [diagnostic for diagnostic in diagnostics if diagnostic not in listed] if listed else diagnostics, display
+    )
     counted = f"{summary(listed, explain=False)} in the page, under Findings" if listed and not display.quiet else ""
     for line in filter(None, (drafted, counted, url)):
         write_result(line)

@@ -62,7 +62,7 @@ def command(
             prover.ask(session)
 
     def proven(session: "Session", conversion: "Conversion") -> None:
-        errors = [one for one in conversion.diagnostics if one.severity == "error"]
+        errors = [diagnostic for diagnostic in conversion.diagnostics if diagnostic.severity == "error"]
         show_diagnostics(errors, display)
         verb = "written" if output is not None else "verified"
         write_result(f"{printable(session.target.as_posix())}: {'verification failed' if errors else verb}")

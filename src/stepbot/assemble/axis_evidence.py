@@ -69,7 +69,7 @@ def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
         if abs(a.radius - b.radius) <= DISTANCE_TOLERANCE:
             return f"{face_words(a)} and {face_words(b)} {_along(line)}, but the shaft is not in the bore"
         return f"{face_words(a)} and {face_words(b)} {_along(line)}, but their radii do not match"
-    wider = [one for one in others if one.basis is Basis.TOUCH and one.weight >= OUTWEIGHS * line.weight]
+    wider = [other for other in others if other.basis is Basis.TOUCH and other.weight >= OUTWEIGHS * line.weight]
     if wider and line.basis is not Basis.AXIS:
         several = f"{len(wider)} axes with wider faces have" if len(wider) > 1 else "an axis with wider faces has"
         return f"{several} faces that touch with different radii"

@@ -86,7 +86,7 @@ def place_of(actuator: Actuator, robot: Robot, sidecar: Sidecar) -> Span:
     """Where a sidecar states an actuator, or names the module that has it."""
     child = robot.joint_by_name[actuator.joint].child
     modules = [] if actuator.name in sidecar.document.actuators else robot.modules
-    of = next((one.name for one in modules if child in one.links), None)
+    of = next((module.name for module in modules if child in module.links), None)
     return sidecar.span("actuators", actuator.name) if of is None else sidecar.key_span("modules", of)
 
 

@@ -34,8 +34,8 @@ def report_unlike_motors(binder: Binder, weighed: Mapping[int, ComponentMass]) -
             differences.append(f"its box is {millimetres(edges)}, that of '{motor.name}' {millimetres(motor.size)}")
         mass = motor.figure("mass")
         parts = [weighed[i] for i in binder.assembly.subtree(index) if i in weighed]
-        if mass is not None and parts and all(one.mass is not None and one.origin not in _ASSUMED for one in parts):
-            own = exact_sum(one.mass or 0.0 for one in parts)
+        if mass is not None and parts and all(part.mass is not None and part.origin not in _ASSUMED for part in parts):
+            own = exact_sum(part.mass or 0.0 for part in parts)
             if abs(own - mass.value) > _HEAVIER * mass.value:
                 differences.append(f"it weighs {1e3 * own:.3g} g, '{motor.name}' {1e3 * mass.value:.3g} g")
         if differences:
@@ -55,8 +55,8 @@ def extents(assembly: Assembly, index: int) -> Array:
     ]
     if not corners:
         return np.zeros(0)
-    low = np.min([one[0] for one in corners], axis=0)
-    return np.sort(np.max([one[1] for one in corners], axis=0) - low)
+    low = np.min([corner[0] for corner in corners], axis=0)
+    return np.sort(np.max([corner[1] for corner in corners], axis=0) - low)
 
 
 def is_like(edges: Array, size: Array) -> bool:

@@ -177,7 +177,9 @@ class _Changing:
         self._parts: dict[str, list[Placed]] = {}
         self._assembly = self._with_parts()
         owners = {part.index: link for link, parts in self._parts.items() for part in parts}
-        self._claims = Claims(tuple(owners.get(one.index, "") for one in self._assembly.components), frozenset(), {})
+        self._claims = Claims(
+            tuple(owners.get(component.index, "") for component in self._assembly.components), frozenset(), {}
+        )
 
     def robot(self, memory_limit: int | None, timeout: float) -> Robot:
         """The changed robot."""
@@ -267,7 +269,7 @@ class _Changing:
         )
         used = {shape.geometry for link in links for shape in link.shapes}
         meshes = (one for one in (*robot.meshes, *new.values()) if MeshRef(one.name) in used)
-        return replace(robot, links=links, meshes=tuple(sorted(meshes, key=lambda one: one.name)))
+        return replace(robot, links=links, meshes=tuple(sorted(meshes, key=lambda mesh: mesh.name)))
 
     def _link(self, link: Link, made: Sequence[Collision], new: Mapping[str, MeshAsset], taken: set[str]) -> Link:
         given, section = self._of("links")[link.name], self._sidecar.document.links[link.name]
@@ -275,12 +277,14 @@ class _Changing:
         if "collision" in given:
             collisions = [replace(one, geometry=_named(one.geometry, new)) for one in made]
         elif section.contact is not None:
-            collisions = [replace(one, surface=surface_of(section.contact)) for one in collisions]
+            collisions = [replace(collision, surface=surface_of(section.contact)) for collision in collisions]
         return replace(
             link,
             mass_properties=self._mass(link, given),
             visuals=() if section.visual is False else link.visuals,
-            collisions=tuple(replace(one, name=free_name(one.name, f"_{link.name}", taken)) for one in collisions),
+            collisions=tuple(
+                replace(collision, name=free_name(collision.name, f"_{link.name}", taken)) for collision in collisions
+            ),
         )
 
     def _mass(self, link: Link, given: Mapping[str, Any]) -> MassProperties:
@@ -314,7 +318,7 @@ def _restored(of_file: _Numbers, built: _Numbers, stated: Mapping[str, float], g
     """Numbers as built, but those of the file that a sidecar cannot state and that nothing sets."""
     if not (given is None or isinstance(given, dict)):
         return built
-    unset = {one.name: one.default for one in fields(built)}
+    unset = {field.name: field.default for field in fields(built)}
     lost = {
         name: getattr(of_file, name)
         for name, none in unset.items()

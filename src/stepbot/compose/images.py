@@ -92,7 +92,7 @@ class Images:
     def _closest(self, name: str, images: list[str]) -> list[str]:
         modules = self._document.modules
         of = str(modules[name].mirror_of)
-        ones = [one for one in images if (modules[one].mirror or "y") == (modules[name].mirror or "y")] or images
+        ones = [image for image in images if (modules[image].mirror or "y") == (modules[name].mirror or "y")] or images
         if len(ones) > 1:
             ones = [one for one in ones if image_name(str(modules[one].mirror_of), of, name) == one] or ones
         return ones

@@ -90,13 +90,13 @@ class _Shown(NamedTuple):
 def _shown(robot: Robot, links: Iterable[str], poses: Mapping[str, Pose]) -> Iterator[_Shown]:
     """The visuals of some links."""
     for link in links:
-        for one in robot.link_by_name[link].visuals:
-            X_RG, geometry = poses[link] @ one.X_LG, one.geometry
+        for visual in robot.link_by_name[link].visuals:
+            X_RG, geometry = poses[link] @ visual.X_LG, visual.geometry
             if isinstance(geometry, MeshRef):
                 box = mesh_bounds(robot.mesh_by_name[geometry.name].mesh.vertices, X_RG)
             else:
                 box = primitive_bounds(geometry, X_RG)
-            yield _Shown(link, one.component or one.name, bool(one.component), geometry, X_RG, np.array(box))
+            yield _Shown(link, visual.component or visual.name, bool(visual.component), geometry, X_RG, np.array(box))
 
 
 def _search(robot: Robot, shown: list[_Shown], meeting: list[tuple[str, int, int]]) -> Search:

@@ -163,7 +163,7 @@ class _Joining:
         """The robot with the closures, frames, actuators and sensors of this file that are on modules."""
         document = self._document
         there = elements(self._own) if self._own is not None else {}
-        known = {section: {one.name for one in members} for section, members in there.items()}
+        known = {section: {member.name for member in members} for section, members in there.items()}
 
         def new(section: str) -> list[str]:
             return [name for name in getattr(document, section) if name not in known.get(section, ())]
@@ -171,7 +171,9 @@ class _Joining:
         closures = [self._closure(name, document.closures[name]) for name in new("closures")]
         frames = [self._frame(name) for name in new("frames")]
         actuators = [
-            self._actuator(one, whole) for one in build_actuators(self._sidecar) if one.name in new("actuators")
+            self._actuator(actuator, whole)
+            for actuator in build_actuators(self._sidecar)
+            if actuator.name in new("actuators")
         ]
         sensors = [self._sensor(name, whole) for name in new("sensors")]
         return replace(
@@ -190,8 +192,8 @@ class _Joining:
             return whole
         X = link_poses(whole, initial_configuration(whole))
         closures = (
-            coinciding(one, X[one.link_a].inverse() @ X[one.link_b]) if one.name in new else one
-            for one in whole.closures
+            coinciding(closure, X[closure.link_a].inverse() @ X[closure.link_b]) if closure.name in new else closure
+            for closure in whole.closures
         )
         return replace(whole, closures=tuple(closures))
 
@@ -301,18 +303,21 @@ def rebased(robot: Robot, link: str, X_LN: Pose) -> Robot:
     return replace(
         robot,
         links=links,
-        joints=tuple(replace(one, X_PC=moved(one.X_PC)) if one.parent == link else one for one in robot.joints),
+        joints=tuple(
+            replace(joint, X_PC=moved(joint.X_PC)) if joint.parent == link else joint for joint in robot.joints
+        ),
         closures=tuple(
             replace(
-                one,
-                X_AF=moved(one.X_AF) if one.link_a == link else one.X_AF,
-                X_BF=moved(one.X_BF) if one.link_b == link else one.X_BF,
+                closure,
+                X_AF=moved(closure.X_AF) if closure.link_a == link else closure.X_AF,
+                X_BF=moved(closure.X_BF) if closure.link_b == link else closure.X_BF,
             )
-            for one in robot.closures
+            for closure in robot.closures
         ),
-        frames=tuple(replace(one, X_LF=moved(one.X_LF)) if one.link == link else one for one in robot.frames),
+        frames=tuple(replace(frame, X_LF=moved(frame.X_LF)) if frame.link == link else frame for frame in robot.frames),
         sensors=tuple(
-            replace(one, X_LS=moved(one.X_LS)) if one.link == link and not one.joint else one for one in robot.sensors
+            replace(sensor, X_LS=moved(sensor.X_LS)) if sensor.link == link and not sensor.joint else sensor
+            for sensor in robot.sensors
         ),
     )
 

@@ -110,7 +110,7 @@ def flipped(robot: Robot, patterns: Iterable[str]) -> Robot:
 
     Limits change sides, and so do those of their actuators; the multipliers of joints that follow them are negated.
     """
-    names = {joint.name for joint in robot.joints if any(fnmatchcase(joint.name, one) for one in patterns)}
+    names = {joint.name for joint in robot.joints if any(fnmatchcase(joint.name, pattern) for pattern in patterns)}
 
     def joint(one: Joint) -> Joint:
         leads = one.mimic is not None and one.mimic.joint in names

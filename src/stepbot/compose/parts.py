@@ -48,7 +48,9 @@ class Part(Struct, frozen=True):
 
     def local(self, name: str) -> str:
         """The path in the part's own file of one of its elements."""
-        inner = [one for one in self.robot.modules if one.prefix != self.prefix and name.startswith(one.prefix)]
+        inner = [
+            module for module in self.robot.modules if module.prefix != self.prefix and name.startswith(module.prefix)
+        ]
         if not inner:
             return name.removeprefix(self.prefix)
         deepest = max(inner, key=lambda one: len(one.prefix))
@@ -168,7 +170,9 @@ class Parts:
             robot, joints=tuple(replace(j, drawn_position=pose.get(j.name, j.drawn_position)) for j in robot.joints)
         )
         at = link_poses(moved, initial_configuration(moved)) if moved.closures else {}
-        closures = (coinciding(one, at[one.link_a].inverse() @ at[one.link_b]) for one in moved.closures)
+        closures = (
+            coinciding(closure, at[closure.link_a].inverse() @ at[closure.link_b]) for closure in moved.closures
+        )
         moved = replace(moved, closures=tuple(closures))
         if not within_limits(moved, pose):
             limits = {joint: (q, known[joint].limit) for joint, q in given.items()}
@@ -253,7 +257,7 @@ def coinciding(closure: LoopClosure, X_AB: Pose) -> LoopClosure:
 
 def _with_prefix(robot: Robot, prefix: str) -> Robot:
     named = renamed(robot, **dict.fromkeys(KINDS, lambda name: prefix + name))
-    inner = tuple(replace(one, prefix=prefix + one.prefix) for one in named.modules)
+    inner = tuple(replace(module, prefix=prefix + module.prefix) for module in named.modules)
     return replace(named, modules=inner)
 
 
@@ -279,6 +283,8 @@ def image_name(joint: str, of: str, name: str) -> str:
 def module_record(name: str, part: Part, at: str) -> tuple[Module, ...]:
     """What the composed robot records of a part, and of the modules in it."""
     links = tuple(link.name for link in part.robot.links)
-    gains = tuple((one.name, one.kp, one.kv) for one in part.robot.actuators if one.tuning is not None)
+    gains = tuple(
+        (actuator.name, actuator.kp, actuator.kv) for actuator in part.robot.actuators if actuator.tuning is not None
+    )
     own = Module(name, part.file, part.prefix, links, at, part.mirror, gains)
-    return own, *(replace(one, name=f"{name}/{one.name}", gains_alone=()) for one in part.robot.modules)
+    return own, *(replace(module, name=f"{name}/{module.name}", gains_alone=()) for module in part.robot.modules)

@@ -61,16 +61,18 @@ def without(robot: Robot, names: Collection[str]) -> Robot:
         robot,
         links=links,
         joints=joints,
-        closures=tuple(one for one in robot.closures if stays(one.name, one.link_a, one.link_b)),
-        frames=tuple(one for one in robot.frames if stays(one.name, one.link)),
-        actuators=tuple(one for one in robot.actuators if one.name not in names and one.joint in left),
-        sensors=tuple(one for one in robot.sensors if stays(one.name, one.link)),
+        closures=tuple(closure for closure in robot.closures if stays(closure.name, closure.link_a, closure.link_b)),
+        frames=tuple(frame for frame in robot.frames if stays(frame.name, frame.link)),
+        actuators=tuple(
+            actuator for actuator in robot.actuators if actuator.name not in names and actuator.joint in left
+        ),
+        sensors=tuple(sensor for sensor in robot.sensors if stays(sensor.name, sensor.link)),
         excluded_contacts=tuple(pair for pair in robot.excluded_contacts if not gone_links.intersection(pair)),
         self_collision=None,
         modules=tuple(
-            replace(one, links=tuple(link for link in one.links if link not in gone_links))
-            for one in robot.modules
-            if one.links[0] not in gone_links
+            replace(module, links=tuple(link for link in module.links if link not in gone_links))
+            for module in robot.modules
+            if module.links[0] not in gone_links
         ),
     )
     used = {shape.geometry for link in links for shape in link.shapes}

@@ -24,24 +24,26 @@ def actuators_of(
     """The actuators that move one joint; others are listed."""
     actuators = []
     taken: set[str] = set()
-    for one in _without_alternatives(description.observation, findings):
-        joint = joints.get(one.joint)
-        powerless = _powerless(one)
-        known = one.kind in set(ActuatorKind)
+    for alternative in _without_alternatives(description.observation, findings):
+        joint = joints.get(alternative.joint)
+        powerless = _powerless(alternative)
+        known = alternative.kind in set(ActuatorKind)
         leader = joint.mimic.joint if joint is not None and joint.mimic is not None else ""
-        is_led = bool(leader) and known and _gain(one) is None  # what follows has no motion to compute gains for
+        is_led = (
+            bool(leader) and known and _gain(alternative) is None
+        )  # what follows has no motion to compute gains for
         if joint is None or joint.kind is JointKind.FIXED or not known or powerless or is_led:
-            on = f" on '{one.joint}'" if one.joint else ""
+            on = f" on '{alternative.joint}'" if alternative.joint else ""
             why = f" with a {powerless} of 0" if powerless else f", which follows '{leader}'" if is_led else ""
-            text = f"actuator '{one.name}' of type '{one.kind}'{on}{why}: not converted"
+            text = f"actuator '{alternative.name}' of type '{alternative.kind}'{on}{why}: not converted"
             findings.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
             continue
-        name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
-        gear = one.gear or 1.0
-        limit = _own_limit(one, name, gear, joint.limit, findings)
-        tuning = Tuning(at_least=True, assumed=True) if _gain(one) is None else None
-        kp, kv = (0.0, 0.0) if tuning else (one.kp or 0.0, one.kv or 0.0)
-        actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), kp, kv, gear, limit, tuning))
+        name = free_name(alternative.name or f"{alternative.joint}_{alternative.kind}", "_2", taken)
+        gear = alternative.gear or 1.0
+        limit = _own_limit(alternative, name, gear, joint.limit, findings)
+        tuning = Tuning(at_least=True, assumed=True) if _gain(alternative) is None else None
+        kp, kv = (0.0, 0.0) if tuning else (alternative.kp or 0.0, alternative.kv or 0.0)
+        actuators.append(Actuator(name, alternative.joint, ActuatorKind(alternative.kind), kp, kv, gear, limit, tuning))
     return tuple(actuators)
 
 

@@ -122,8 +122,8 @@ def with_valid_names(robot: Robot, findings: list[Finding]) -> tuple[Robot, NewN
     taken = set()
     joints = _renamed((joint.name for joint in robot.joints), "joint", taken)
     closures = _renamed((closure.name for closure in robot.closures), "closure", taken)
-    actuators = _renamed((one.name for one in robot.actuators), "actuator", set())
-    sensors = _renamed((one.name for one in robot.sensors), "sensor", set())
+    actuators = _renamed((actuator.name for actuator in robot.actuators), "actuator", set())
+    sensors = _renamed((sensor.name for sensor in robot.sensors), "sensor", set())
     name = valid_file_name(robot.name)
     maps = (links, joints, frames, closures, actuators, sensors)
     for kind, of_kind in zip(("link", "joint", "frame", "closure", "actuator", "sensor"), maps, strict=True):
@@ -205,7 +205,7 @@ class Described(Struct, frozen=True):
     @property
     def missing(self) -> tuple[str, ...]:
         """What a picture of the robot lacks, or shows otherwise."""
-        return tuple(one.text for one in self.findings if one.code == UNSUPPORTED)
+        return tuple(finding.text for finding in self.findings if finding.code == UNSUPPORTED)
 
 
 def _unread_mesh(uri: str) -> Finding:
@@ -284,13 +284,15 @@ def _with_turned_balls(robot: Robot) -> Robot:
 
     Their orientations have no effect in MJCF. A joint of SDFormat has one frame for both links.
     """
-    balls = [one for one in robot.closures if one.kind is JointKind.BALL]
+    balls = [closure for closure in robot.closures if closure.kind is JointKind.BALL]
     X = link_poses(robot, initial_configuration(robot)) if balls else {}
     turned = {
-        one.name: replace(one, X_AF=tidy(Pose.of((X[one.link_a].inverse() @ X[one.link_b] @ one.X_BF).R, one.X_AF.p)))
-        for one in balls
+        ball.name: replace(
+            ball, X_AF=tidy(Pose.of((X[ball.link_a].inverse() @ X[ball.link_b] @ ball.X_BF).R, ball.X_AF.p))
+        )
+        for ball in balls
     }
-    return replace(robot, closures=tuple(turned.get(one.name, one) for one in robot.closures))
+    return replace(robot, closures=tuple(turned.get(closure.name, closure) for closure in robot.closures))
 
 
 def _link(link: ObservedLink, shapes: Shapes, findings: list[Finding]) -> Link:
@@ -330,7 +332,7 @@ def _without_world(robot: Robot, findings: list[Finding]) -> Robot:
     bare = not (root.mass_properties.mass or root.visuals or root.collisions)
     if root.name != _WORLD or not bare or first is None or len(below) != 1 or first.kind not in _BASES:
         return robot
-    held = {link for one in robot.closures for link in (one.link_a, one.link_b)}
+    held = {link for closure in robot.closures for link in (closure.link_a, closure.link_b)}
     if root.name in held.union(frame.link for frame in robot.frames):
         return robot
     below_world = replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=_BASES[first.kind])

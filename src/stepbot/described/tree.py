@@ -70,7 +70,7 @@ def surroundings_of(description: Description) -> frozenset[str]:
             one = above[one]
         roots |= dict.fromkeys((*way, one), roots.get(one, one))
     jointed = {roots[joint.child] for joint in seen.joints if joint.kind != JointKind.FIXED}
-    held = {roots.get(link) for one in seen.closures or () for link in (one.link_a, one.link_b)}
+    held = {roots.get(link) for closure in seen.closures or () for link in (closure.link_a, closure.link_b)}
     if not jointed:
         return frozenset()
     free, loose = set(description.free_roots), set(roots.values()) - jointed - held
@@ -382,7 +382,7 @@ def _closed(
 def _with_followers(robot: Robot, q: Mapping[str, float]) -> Robot:
     """The robot in a pose, with followers where their leaders put them."""
     placed = replace(robot, joints=tuple(replace(joint, drawn_position=q[joint.name]) for joint in robot.joints))
-    leaders = {one.name: q[one.name] for one in robot.joints if one.kind in MOVING and one.mimic is None}
+    leaders = {joint.name: q[joint.name] for joint in robot.joints if joint.kind in MOVING and joint.mimic is None}
     full = complete(robot, leaders)
     joints = (
         joint if joint.mimic is None else replace(joint, drawn_position=full[joint.name]) for joint in placed.joints

@@ -96,7 +96,7 @@ class Origins:
                 snippet = OriginSnippet(form, tuple(map(self._path, parts)), selector.radius, selector.near)
                 others = [one for one in self._matching(faces, selector.radius) if one.point != line.point]
                 if slides:
-                    others = [one for one in others if not is_parallel(one, line)]
+                    others = [other for other in others if not is_parallel(other, line)]
                 return Found(snippet, own, self._selected_by(line, selector.radius), doubt(line, others))
         return None
 
@@ -189,7 +189,9 @@ class _Drafting:
         if any(arc.evidence.type != JointKind.FIXED and arc.evidence.score >= CHOSEN for arc in self._inferred.arcs):
             return ()
         lines = len({(h.a, h.b) for h in self._inferred.offered})
-        kinds = [self._assembly.bodies[one.body].kind for one in self._assembly.components if one.body >= 0]
+        kinds = [
+            self._assembly.bodies[component.body].kind for component in self._assembly.components if component.body >= 0
+        ]
         meshes = kinds.count(BodyKind.TESSELLATED)
         why = "no two parts share an axis about or along which only they could move"
         if len(kinds) == 1:

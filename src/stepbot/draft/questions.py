@@ -88,7 +88,7 @@ class Dialogue:
     def answer_all(self, answers: Mapping[str, str]) -> None:
         """Infer again with all answers that apply; the others become notes of the draft."""
         # An answer about two parts overrides one about many.
-        left = dict(sorted(answers.items(), key=lambda one: one[0].startswith(_ALL)))
+        left = dict(sorted(answers.items(), key=lambda item: item[0].startswith(_ALL)))
         for _ in range(_ROUNDS):
             used = [name for name, value in left.items() if self._take(name, value)]
             if not used:
@@ -96,7 +96,7 @@ class Dialogue:
             for name in used:
                 del left[name]
             self._plain = self._inference.draft(self._facts)
-        options = {one.name: [option.value for option in one.options] for one in self._questions()}
+        options = {question.name: [option.value for option in question.options] for question in self._questions()}
         notes = [
             f"the answer '{value}' to '{name}' was not used: "
             + (f"it must be one of {', '.join(options[name])}" if name in options else "there is no such question")

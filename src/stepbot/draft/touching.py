@@ -39,7 +39,7 @@ def contacts_of(draft: Draft, assembly: Assembly) -> tuple[DraftContact, ...]:
     wheels = list(touching.wheels())
     proposed = list(touching.on_wheels(wheels)) if len(wheels) >= _SEVERAL else list(touching.on_feet())
     taken = {one.link for one in proposed}
-    proposed += [one for one in touching.fingers() if one.link not in taken]
+    proposed += [finger for finger in touching.fingers() if finger.link not in taken]
     order = {link.name: n for n, link in enumerate(draft.links)}
     return tuple(sorted(proposed, key=lambda one: (order[one.link], one.part)))
 

@@ -49,7 +49,8 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
         "status": verdict.status.value,
         "why": verdict.why,
         "measures": [
-            _measure(one, bounds.get(one.quantity)) for one in (verdict.result.measures if verdict.result else ())
+            _measure(measure, bounds.get(measure.quantity))
+            for measure in (verdict.result.measures if verdict.result else ())
         ],
         "steps_per_second": round(verdict.result.steps_per_second) if verdict.result else None,
     }

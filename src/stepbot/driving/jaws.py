@@ -224,7 +224,8 @@ class _Hand:
         """Cubes in the places of the most promising balls, the best one first, if faces cover them."""
         places = map(self._place, sorted(balls, key=lambda ball: -ball.promise)[:_TRIED])
         return sorted(
-            (one for one in places if one.cover >= LEAST_COVER), key=lambda one: -(one.ball.promise * one.cover**2)
+            (place for place in places if place.cover >= LEAST_COVER),
+            key=lambda place: -(place.ball.promise * place.cover**2),
         )
 
     def _place(self, ball: _Ball) -> _Place:

@@ -38,7 +38,7 @@ class Verdict(Struct, frozen=True):
     def worst(self) -> Measure | None:
         """The measure that is nearest to its limit, or farthest beyond."""
         bounds = self.bounds or {}
-        limited = [one for one in (self.result.measures if self.result else ()) if one.quantity in bounds]
+        limited = [measure for measure in (self.result.measures if self.result else ()) if measure.quantity in bounds]
         return max(
             limited,
             key=lambda one: one.value / bounds[one.quantity] if bounds[one.quantity] else one.value,
@@ -74,7 +74,9 @@ def judge(
             continue
         bounds = demands.limits[result.test]
         failed = [
-            one for one in result.measures if one.quantity in bounds and not one.value <= bounds[one.quantity].value
+            measure
+            for measure in result.measures
+            if measure.quantity in bounds and not measure.value <= bounds[measure.quantity].value
         ]
         lost = ""
         for one in failed:

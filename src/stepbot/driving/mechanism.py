@@ -129,7 +129,7 @@ def wheels_of(mechanism: Mechanism) -> Wheels | None:
 
 def _dragged(robot: Robot, poses: Mapping[str, Pose], middle: Array, near: float) -> Iterator[str]:
     """Links that turn without a motor on horizontal axles of the base that pass a point (3,) [m] at a distance."""
-    driven, body = {one.joint for one in robot.actuators}, rigid_bodies(robot.root.name, robot.joints)
+    driven, body = {actuator.joint for actuator in robot.actuators}, rigid_bodies(robot.root.name, robot.joints)
     for joint in robot.joints:
         X = poses[joint.child]
         axle = X.turn(joint.axis)

@@ -58,10 +58,10 @@ def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
     """The facts of a report, and of its robot."""
     actuators = document["robot"]["actuators"]
     shapes = document.get("collision_shapes", [])
-    driven = {one["joint"] for one in actuators}
+    driven = {actuator["joint"] for actuator in actuators}
     return Facts(
-        frozenset(one["joint"] for one in actuators if one.get("computed") is not None),
-        frozenset(one["link"] for one in shapes if one["rule"] not in _HOLLOW),
+        frozenset(actuator["joint"] for actuator in actuators if actuator.get("computed") is not None),
+        frozenset(shape["link"] for shape in shapes if shape["rule"] not in _HOLLOW),
         frozenset(j.name for j in robot.joints if j.name in driven and not j.dynamics.armature),
     )
 

@@ -296,11 +296,12 @@ class Observation(Struct, frozen=True, eq=False):
             poses=tuple(
                 {name: X[root].inverse() @ pose for name, pose in X.items() if name not in links} for X in self.poses
             ),
-            closures=self.closures and tuple(one for one in self.closures if not links & {one.link_a, one.link_b}),
+            closures=self.closures
+            and tuple(closure for closure in self.closures if not links & {closure.link_a, closure.link_b}),
             frames=self.frames and {name: at for name, at in self.frames.items() if at[0] not in links},
-            actuators=self.actuators and tuple(one for one in self.actuators if one.joint not in gone),
+            actuators=self.actuators and tuple(actuator for actuator in self.actuators if actuator.joint not in gone),
             sensors=self.sensors
-            and tuple(one for one in self.sensors if one.link not in links and one.joint not in gone),
+            and tuple(sensor for sensor in self.sensors if sensor.link not in links and sensor.joint not in gone),
             initial=self.initial and {name: q for name, q in self.initial.items() if name not in gone},
             excluded_pairs=self.excluded_pairs and tuple(pair for pair in self.excluded_pairs if not links & {*pair}),
         )
@@ -389,7 +390,7 @@ def turned_as_expected(
         axis: In these frames; None for types without one.
         loops: The expected closures.
     """
-    expected = next((one for one in loops if one.name == name), None)
+    expected = next((loop for loop in loops if loop.name == name), None)
     if expected is None:
         return ObservedClosure.of_frames(name, kind, ends, frames, axis)
     X_expected = expected.X_AF if expected.link_a == ends[0] else expected.X_BF

@@ -56,7 +56,7 @@ def with_motion(
     )
     moments = [(known(q), rates) for q, rates in request.moments]
     equations = equations_at(robot, moments, gravity=gravity(robot.root.name), tree=layout)
-    dynamics = tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations)
+    dynamics = tuple(Dynamics(equation.mass_matrix, equation.gravity, equation.inverse) for equation in equations)
     return replace(observation, coordinates=layout.joints, poses=poses, dynamics=dynamics)
 
 

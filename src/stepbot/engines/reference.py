@@ -96,7 +96,9 @@ class Reference:
             gravity=(),
             coordinates=motion.coordinates,
             poses=motion.poses,
-            dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in motion.equations),
+            dynamics=tuple(
+                Dynamics(equation.mass_matrix, equation.gravity, equation.inverse) for equation in motion.equations
+            ),
             closures=tuple(
                 replace(_closure(closure, closed_poses), sensitivity=sensitivity) for closure in robot.closures
             ),

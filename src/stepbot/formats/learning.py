@@ -101,10 +101,12 @@ def simready_folder(robot: Robot) -> dict[str, bytes]:
 
 def _isaaclab(robot: Robot, file: str) -> str:
     rows = "".join(
-        f"        {literal(one.name)}: ImplicitActuatorCfg(\n"
-        f"            joint_names_expr=[{literal(re.escape(one.joint))}],\n"
-        f"            stiffness={one.kp!r},\n            damping={one.kv!r},\n" + _bounds(robot, one) + "        ),\n"
-        for one in robot.actuators
+        f"        {literal(actuator.name)}: ImplicitActuatorCfg(\n"
+        f"            joint_names_expr=[{literal(re.escape(actuator.joint))}],\n"
+        f"            stiffness={actuator.kp!r},\n            damping={actuator.kv!r},\n"
+        + _bounds(robot, actuator)
+        + "        ),\n"
+        for actuator in robot.actuators
     )
     return f'''"""{words(robot)} in Isaac Lab: the articulation `ROBOT`."""
 
@@ -220,12 +222,12 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
         (ActuatorKind.POSITION, "PDJointPosControllerConfig"),
         (ActuatorKind.VELOCITY, "PDJointVelControllerConfig"),
     ):
-        group = [one for one in robot.actuators if one.kind is kind]
+        group = [actuator for actuator in robot.actuators if actuator.kind is kind]
         if not group:
             continue
         limits = [actuator_limit(one, robot.joint_by_name[one.joint]) for one in group]
-        effort = [one.effort for one in limits]
-        fastest = [_UNLIMITED if one.velocity == inf else one.velocity for one in limits]
+        effort = [limit.effort for limit in limits]
+        fastest = [_UNLIMITED if limit.velocity == inf else limit.velocity for limit in limits]
         is_speed = kind is ActuatorKind.VELOCITY  # None: the limits of the joints, which are positions
         rows = {
             "lower": [-one for one in fastest] if is_speed else None,

@@ -126,7 +126,7 @@ class Configurations:
         self, data: Any, random: np.random.Generator, spread: float, controls: tuple[Array, Array, Array]
     ) -> bool:
         """Let the actuators move the robot from home towards random controls; whether the simulation stays finite."""
-        low, home, high = (np.nan_to_num(one, posinf=pi, neginf=-pi) for one in controls)
+        low, home, high = (np.nan_to_num(control, posinf=pi, neginf=-pi) for control in controls)
         self.place(data, self.q)
         data.ctrl[:] = home + spread * (random.uniform(low, high) - home)
         mujoco.mj_step(self._model, data, max(1, round(_MOVING / self._model.opt.timestep)))

@@ -160,9 +160,13 @@ def home_control(model: Model, keyframe: int | None, q: Array, changed: Mapping[
         changed: Positions of joints that differ from the keyframe.
     """
     control = np.array(model.key_ctrl[keyframe]) if keyframe is not None else np.zeros(model.nu)
-    for one in actuators(model):
-        if one.drives == "position" and one.joint is not None and (keyframe is None or one.joint in changed):
-            control[one.index] = one.gear * q[model.jnt_qposadr[one.joint]]
+    for actuator in actuators(model):
+        if (
+            actuator.drives == "position"
+            and actuator.joint is not None
+            and (keyframe is None or actuator.joint in changed)
+        ):
+            control[actuator.index] = actuator.gear * q[model.jnt_qposadr[actuator.joint]]
     return control
 
 

@@ -198,7 +198,7 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     report, summary, diagnostics = conversion.report, conversion.summary, conversion.diagnostics
     if not conversion.geometry or report is None or summary is None:
         return
-    if diagnostics.has_errors or any(one.code == _NEVER_KEPT for one in diagnostics):
+    if diagnostics.has_errors or any(diagnostic.code == _NEVER_KEPT for diagnostic in diagnostics):
         return
     from stepbot.report.results import Results
     from stepbot.runtime.output_list import content_hashes

@@ -58,7 +58,7 @@ def scene_of(subject: Subject, view: View) -> Scene | None:
         return None
     points = np.concatenate([shape.X_WG.apply(shape.mesh.vertices) for shape in shapes])
     floor = float(points[:, 2].min()) if view.floor and view.elevation >= 0.0 else NEVER
-    colors = np.concatenate([np.broadcast_to(linear(one.colors), (len(one.mesh.faces), 3)) for one in shapes])
+    colors = np.concatenate([np.broadcast_to(linear(shape.colors), (len(shape.mesh.faces), 3)) for shape in shapes])
     owners = np.concatenate([np.full(len(shape.mesh.faces), shape.owner, dtype=np.int32) for shape in shapes])
     return Scene(points, joined([shape.mesh for shape in shapes]).faces, colors, floor, owners)
 

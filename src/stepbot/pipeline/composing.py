@@ -109,7 +109,9 @@ def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
     of_link = {link: module.name for module in reversed(robot.modules) for link in module.links}
     spans = {name: sidecar.key_span("modules", name) for name in sidecar.document.modules}
     of_modules = {f"link '{link}'": spans[name] for link, name in of_link.items()}
-    of_modules |= {f"joint '{one.name}'": spans[of_link[one.child]] for one in robot.joints if one.child in of_link}
+    of_modules |= {
+        f"joint '{joint.name}'": spans[of_link[joint.child]] for joint in robot.joints if joint.child in of_link
+    }
     return of_modules | places(sidecar)
 
 
@@ -267,7 +269,7 @@ def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot
             section = sections[module.name]
             of = alone[section.mirror_of or module.name]
             flips = _flips(of, section, sections)
-            inside = frozenset(one.name for one in of.joints if module.prefix + one.name in led)
+            inside = frozenset(joint.name for joint in of.joints if module.prefix + joint.name in led)
             modules.append(Alone(module, in_initial_pose(of, robot, module.prefix, flips), flips, inside))
     return modules
 
@@ -296,7 +298,7 @@ def _flips(alone: Robot, section: ModuleSection, sections: MappingType[str, Modu
 
     def matching(patterns: tuple[str, ...]) -> set[str]:
         names = (joint.name for joint in alone.joints)
-        return {name for name in names if any(fnmatchcase(name, one) for one in patterns)}
+        return {name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns)}
 
     return frozenset(matching(section.flip) ^ matching(original))
 
@@ -305,7 +307,9 @@ def _unreadable(path: Path | None, file: str) -> tuple[str, tuple[str, ...]]:
     """Why the file of a module cannot be one, with help; empty if it can."""
     if path is None:
         named = file.removeprefix(LIBRARY)
-        near = did_you_mean(named.strip(), [name for one in library_robots() for name in (one.short_name, one.name)])
+        near = did_you_mean(
+            named.strip(), [name for robot in library_robots() for name in (robot.short_name, robot.name)]
+        )
         return f"no robot '{named}' in the library", (*near, "`stepbot library list` names them")
     if is_folder(path):
         return f"file '{file}' is a folder", ("name the sidecar, URDF, SDFormat, MJCF or STEP in it",)
@@ -368,7 +372,7 @@ class _Changes:
         """The robot of a URDF, SDFormat or MJCF with its new names and changed values."""
         section = self._sidecar.document.modules[self._module]
         robot = with_names(robot, section.rename, self._module, self._sidecar, diagnostics)
-        kinds = {type(one.geometry) for link in robot.links for one in link.collisions}
+        kinds = {type(collision.geometry) for link in robot.links for collision in link.collisions}
         if kinds & {Cylinder, MeshRef} and is_for_mjx(self._sidecar.document.defaults.collision):
             message = f"`for: mjx` has no effect on module '{self._module}': '{path.name}' has shapes for other engines"
             diagnostics.add("SB608", message, self._sidecar.span("defaults", "collision"))

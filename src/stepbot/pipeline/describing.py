@@ -124,7 +124,7 @@ def described_robot(path: Path, options: Options, diagnostics: Diagnostics, *, d
         return None
     described = robot_of_description(description, path.stem, path.name, drawn=drawn)
     if not drawn:
-        lacking = [one for one in described.findings if one.code == UNSUPPORTED]
+        lacking = [finding for finding in described.findings if finding.code == UNSUPPORTED]
         for one in lacking:
             diagnostics.add(one.code, one.text, place_of(one.text, path, description))
         return None if lacking else described.robot

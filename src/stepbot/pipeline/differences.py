@@ -192,7 +192,7 @@ def _described(sidecar: Path, options: Options, diagnostics: Diagnostics) -> Rob
             built = build_robot(assembly, loaded, measures, reported, options.cache, loading.mesh_worker)
             reported.raise_if_errors()
     except StepbotError as error:
-        diagnostics.extend(one for one in error.diagnostics if one.severity == "error")
+        diagnostics.extend(diagnostic for diagnostic in error.diagnostics if diagnostic.severity == "error")
         return None
     assert built is not None  # a missing robot always has an error
     return built.robot

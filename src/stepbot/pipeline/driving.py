@@ -92,7 +92,7 @@ def _convert(
 
     formats = tuple(name for name in FORMATS if name in ENGINES.values())
     conversion = produce(sidecar, options._replace(formats=formats, verify=False), progress)
-    diagnostics.extend(one for one in conversion.diagnostics if one.severity == "error")
+    diagnostics.extend(diagnostic for diagnostic in conversion.diagnostics if diagnostic.severity == "error")
     if conversion.diagnostics.has_errors:
         return False
     write_atomically(conversion.files, folder)

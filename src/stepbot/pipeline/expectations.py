@@ -109,7 +109,9 @@ class _Comparison:
 
     def _symmetry(self, axis: str, symmetry: Symmetry) -> None:
         keys, k = ("expect", "symmetry"), AXES.index(axis)
-        uneven = sorted((one for one in symmetry.twins if one.difference > _DIFFERENT), key=lambda one: -one.difference)
+        uneven = sorted(
+            (twin for twin in symmetry.twins if twin.difference > _DIFFERENT), key=lambda twin: -twin.difference
+        )
         for twins in uneven:
             a, b = twins.a, twins.b
             weights = f"{_named(a)} weighs {a.mass:.4g} kg, its twin {_named(b)} {b.mass:.4g} kg"

@@ -48,7 +48,7 @@ def input_names(first: Path, others: Iterable[Path]) -> dict[str, Path]:
     """
     main = resolved(first)
     named: dict[str, Path] = {}
-    for path in dict.fromkeys((main, *(resolved(one) for one in others))):
+    for path in dict.fromkeys((main, *(resolved(other) for other in others))):
         inside = path.is_relative_to(main.parent)
         name, folders = path.relative_to(main.parent).as_posix() if inside else path.name, 1
         while name in named:

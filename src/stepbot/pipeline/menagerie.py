@@ -60,7 +60,7 @@ def _readme(robot: Robot, results: Results) -> str:
         f"Set the time step to {settings.timestep:g} s, and the integrator to `{settings.integrator.value}`.",
         "Added `scene.xml`, which includes the robot, with a floor, light, sky and a camera.",
     ]
-    masses = ((one.name, mass_words(one.mass_properties.mass), _origin(one) or stated) for one in robot.links)
+    masses = ((link.name, mass_words(link.mass_properties.mass), _origin(link) or stated) for link in robot.links)
     lines = [
         f"# {robot.name} Description (MJCF)\n",
         f"Requires MuJoCo {robot.versions.mjcf} or later.\n",
@@ -113,13 +113,17 @@ def _joints(robot: Robot, results: Results, stated: str) -> Iterator[tuple[str, 
 
 
 def _actuators(robot: Robot, stated: str) -> Iterator[tuple[str, ...]]:
-    for one in robot.actuators:
-        tuning = one.tuning
-        if one.kind is not ActuatorKind.MOTOR:
-            unit = "kg" if robot.joint_by_name[one.joint].kind.slides else "kg m²"
+    for actuator in robot.actuators:
+        tuning = actuator.tuning
+        if actuator.kind is not ActuatorKind.MOTOR:
+            unit = "kg" if robot.joint_by_name[actuator.joint].kind.slides else "kg m²"
             inertia = "" if tuning is None else f"{tuning.bandwidth:g} Hz with {tuning.inertia:.4g} {unit}"
-            gains = f"kp {one.kp:g}, kv {one.kv:g}" if one.kind is ActuatorKind.POSITION else f"kv {one.kv:g}"
-            yield one.name, gains, f"computed: {inertia} at the joint" if inertia else stated
-        for figure in () if one.motor is None else one.motor.figures:
-            motor = f"{one.motor.name}: {figure.source}" if one.motor is not None else ""
-            yield one.name, f"{figure.quantity} {figure.value:.6g} {figure.unit}", motor
+            gains = (
+                f"kp {actuator.kp:g}, kv {actuator.kv:g}"
+                if actuator.kind is ActuatorKind.POSITION
+                else f"kv {actuator.kv:g}"
+            )
+            yield actuator.name, gains, f"computed: {inertia} at the joint" if inertia else stated
+        for figure in () if actuator.motor is None else actuator.motor.figures:
+            motor = f"{actuator.motor.name}: {figure.source}" if actuator.motor is not None else ""
+            yield actuator.name, f"{figure.quantity} {figure.value:.6g} {figure.unit}", motor

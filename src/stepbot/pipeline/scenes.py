@@ -56,14 +56,14 @@ def robot_of_draft(assembly: Assembly, draft: Draft) -> Robot:
     robot = _robot(assembly, draft.robot, {name: X_WL[name] for name in order}, parts, joints)
     closures = tuple(
         LoopClosure(
-            one.name,
-            one.type,
-            one.link_a,
-            X_WL[one.link_a].inverse() @ _frame(one),
-            one.link_b,
-            X_WL[one.link_b].inverse() @ _frame(one),
+            closure.name,
+            closure.type,
+            closure.link_a,
+            X_WL[closure.link_a].inverse() @ _frame(closure),
+            closure.link_b,
+            X_WL[closure.link_b].inverse() @ _frame(closure),
         )
-        for one in draft.closures
+        for closure in draft.closures
     )
     return replace(robot, closures=closures)
 
@@ -87,7 +87,9 @@ def _evidence(one: DraftConnection) -> Json:
 def _with_bodies(assembly: Assembly) -> tuple[int, ...]:
     bodies = assembly.bodies
     return tuple(
-        one.index for one in assembly.components if one.body >= 0 and bodies[one.body].kind is not BodyKind.WIRE
+        component.index
+        for component in assembly.components
+        if component.body >= 0 and bodies[component.body].kind is not BodyKind.WIRE
     )
 
 

@@ -63,11 +63,11 @@ def named_step(sidecar: Sidecar, diagnostics: Diagnostics) -> Path:
     if not sidecar.document.step:
         files = dict.fromkeys(module.file or "" for module in sidecar.document.modules.values())
         help = [
-            f"`stepbot library export {one.removeprefix(LIBRARY)}` writes the STEP of '{one}'"
-            for one in files
-            if one.startswith(LIBRARY)
+            f"`stepbot library export {file.removeprefix(LIBRARY)}` writes the STEP of '{file}'"
+            for file in files
+            if file.startswith(LIBRARY)
         ]
-        paths = [sidecar.path.parent / one for one in files if not one.startswith(LIBRARY)]
+        paths = [sidecar.path.parent / file for file in files if not file.startswith(LIBRARY)]
         with_step = [one for one in paths if is_step_name(one.name) or one.suffix.lower() in SIDECAR_SUFFIXES]
         help += [f"`{shlex.join(['stepbot', 'inspect', one.as_posix()])}`" for one in with_step]
         whole = shlex.join(["stepbot", "check", "--step", sidecar.path.as_posix()])

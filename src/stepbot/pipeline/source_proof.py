@@ -151,8 +151,8 @@ def _chains(description: Description, described: Described) -> dict[str, ChainNa
     steps = _chains_in(unfolded(described.robot), several)
     chains = {joint.name: steps[joint.child] for joint in several}
     old = {new: name for name, new in described.names.joints.items()}
-    locked = {one.name for one in description.observation.joints if one.kind in MOVING} & {
-        old.get(one.name, one.name) for one in described.robot.joints if one.kind is JointKind.FIXED
+    locked = {joint.name for joint in description.observation.joints if joint.kind in MOVING} & {
+        old.get(joint.name, joint.name) for joint in described.robot.joints if joint.kind is JointKind.FIXED
     }
     return {name: ((name,), ()) for name in sorted(locked)} | {
         old.get(name, name): (tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))
@@ -169,7 +169,11 @@ def _lost_by(declared: Set[str]) -> dict[Quantity, str]:
 def _lost(described: Described, description: Description) -> dict[Quantity, str]:
     """Quantities that a declared loss changes."""
     seen = description.observation
-    lost = {quantity: f"a loss is declared ({one.code})" for one in described.findings for quantity in one.differs}
+    lost = {
+        quantity: f"a loss is declared ({finding.code})"
+        for finding in described.findings
+        for quantity in finding.differs
+    }
     if any(one.what.endswith(" in <geometry>") for one in description.lost):
         lost |= dict.fromkeys((Quantity.SHAPES, Quantity.MESHES), f"a loss is declared ({LOST})")
     if any(one.what == LED for one in description.lost):

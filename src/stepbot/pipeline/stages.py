@@ -141,7 +141,7 @@ def _produce(
         progress("verify")
         report = proven(written, provers, options, diagnostics, composed.modules if loading is None else ())
     report_unused(diagnostics, _JUDGED_BY_BUILD + judged_by_files(options))
-    motors = {one.name: one.motor for one in robot.actuators if one.motor is not None}
+    motors = {actuator.name: actuator.motor for actuator in robot.actuators if actuator.motor is not None}
     report = replace(
         report,
         variant=options.variant,

@@ -172,7 +172,7 @@ def _robot(
         diagnostics.add(UNSUPPORTED, text, place_of(text, path, description), help=help)
     for one in described.findings:
         diagnostics.add(one.code, one.text, place_of(one.text, path, description), help=one.help)
-    computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
+    computed = {finding.text.split("'")[1] for finding in described.findings if finding.code == ASSUMED}
     known = computed | described.surroundings | set(replaced)
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in known)
     if links:
@@ -249,7 +249,9 @@ def _tuned(robot: Robot, span: Span, diagnostics: Diagnostics) -> Robot:
 
 def _report_names(robot: Robot, span: Span, diagnostics: Diagnostics) -> None:
     """Report names that not every reader takes (SB129), as in a sidecar."""
-    named = {section.removesuffix("s"): [one.name for one in members] for section, members in elements(robot).items()}
+    named = {
+        section.removesuffix("s"): [member.name for member in members] for section, members in elements(robot).items()
+    }
     for kind, names in {"robot": [robot.name], **named}.items():
         for name in names:
             if (portable := portable_name(name, kind)) != name:

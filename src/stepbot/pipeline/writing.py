@@ -166,7 +166,7 @@ def _verified(
         }
         contents = {name: content_digest(of_format) for name, of_format in written.by_format.items()}
         for name, one in written.lowered.items():
-            for beside in (one for one in format_named(name).writer.companions(one) if one.format):
+            for beside in (companion for companion in format_named(name).writer.companions(one) if companion.format):
                 files[beside.format] = Written(place / beside.path, beside.robot)
                 contents[beside.format] = contents[name]
         observations = ObservationCache(options.cache, contents)
@@ -187,12 +187,12 @@ def _lowered(modules: "Sequence[Alone]", name: str, whole: Robot) -> "tuple[tupl
     known: dict[tuple[int, frozenset[str]], Robot] = {}
 
     def lowered(robot: Robot, prefix: str) -> Robot:
-        moved = frozenset(one.name for one in robot.joints if prefix + one.name in in_loops)
+        moved = frozenset(joint.name for joint in robot.joints if prefix + joint.name in in_loops)
         if (id(robot), moved) not in known:
             known[id(robot), moved] = lower(with_moved_zeros(robot, moved), target, Diagnostics())
         return known[id(robot), moved]
 
-    return tuple((one, lowered(one.robot, one.module.prefix)) for one in modules)
+    return tuple((module, lowered(module.robot, module.module.prefix)) for module in modules)
 
 
 def _sources(written: Rendered) -> dict[str, str]:

@@ -96,7 +96,9 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],
         "collision_shapes": plain(report.collision_shapes),
-        "simplified_visuals": [picked(one, _SIMPLIFIED, link=one.link or None) for one in report.simplified_visuals],
+        "simplified_visuals": [
+            picked(visual, _SIMPLIFIED, link=visual.link or None) for visual in report.simplified_visuals
+        ],
         "joint_table": joint_table_document(report.joint_table),
         "diagnostics": [_diagnostic(diagnostic) for diagnostic in diagnostics],
     }
@@ -156,14 +158,14 @@ def _suite(suite: Suite) -> ET.Element:
 def _conversion(suite: Suite) -> ET.Element:
     """Whether the robot could be converted, or verified; the diagnostics are in the output."""
     case = ET.Element("testcase", classname=_clean(suite.name), name=suite.whole)
-    errors = [one for one in suite.diagnostics if one.severity == "error"]
+    errors = [diagnostic for diagnostic in suite.diagnostics if diagnostic.severity == "error"]
     collected = Diagnostics()
     collected.extend(suite.diagnostics)
     if errors:
         tag = "error" if collected.exit_code == 2 else "failure"
         failure = ET.SubElement(case, tag, message=_clean(str(errors[0])), type=errors[0].code)
         failure.text = _clean("\n".join(map(str, errors)))
-    others = [str(one) for one in suite.diagnostics if one.severity != "error"]
+    others = [str(diagnostic) for diagnostic in suite.diagnostics if diagnostic.severity != "error"]
     if others:
         ET.SubElement(case, "system-out").text = _clean("\n".join(others))
     return case

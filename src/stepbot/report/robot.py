@@ -36,7 +36,7 @@ MOTOR = "name part figures unknown doubts"
 def self_collision_document(result: SelfCollision) -> Json:
     """All pairs with their evidence: number of poses, depth [m] and joint positions [rad] or [m] of the first one."""
     keys = "links class=kind contacts first depth pose"
-    pairs = [picked(one, keys, links=[one.link_a, one.link_b], pose=dict(one.pose)) for one in result.pairs]
+    pairs = [picked(pair, keys, links=[pair.link_a, pair.link_b], pose=dict(pair.pose)) for pair in result.pairs]
     return picked(result, "samples exclude pairs", pairs=pairs)
 
 

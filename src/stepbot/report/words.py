@@ -48,7 +48,7 @@ def collision_summary(shapes: Sequence[LinkCollision]) -> str:
     for one in shapes:
         counts.update(one.shapes)
     words = f"collision shapes of {counted(len(shapes), 'link')}: {shape_words(counts)}"
-    scored = [one for one in shapes if one.iou is not None and one.overshoot is not None]
+    scored = [shape for shape in shapes if shape.iou is not None and shape.overshoot is not None]
     if scored:
         least = min(scored, key=lambda one: one.iou or 0.0)
         most = max(scored, key=lambda one: one.overshoot or 0.0)
@@ -237,14 +237,14 @@ def sheet_blocks(sheet: "DataSheet") -> Iterator[str | Table]:
             heads,
             [
                 (
-                    one.name,
-                    f"{one.lower:.4g} to {one.upper:.4g}",
-                    *map(_number, (one.velocity, one.effort, one.gravity)),
-                    f"{one.inertia[0]:.4g} to {one.inertia[1]:.4g}",
-                    *map(_number, (one.acceleration, one.jerk)),
-                    "-" if one.frequency is None else f"{one.frequency[0]:.3g} to {one.frequency[1]:.3g}",
+                    joint.name,
+                    f"{joint.lower:.4g} to {joint.upper:.4g}",
+                    *map(_number, (joint.velocity, joint.effort, joint.gravity)),
+                    f"{joint.inertia[0]:.4g} to {joint.inertia[1]:.4g}",
+                    *map(_number, (joint.acceleration, joint.jerk)),
+                    "-" if joint.frequency is None else f"{joint.frequency[0]:.3g} to {joint.frequency[1]:.3g}",
                 )
-                for one in sheet.joints
+                for joint in sheet.joints
             ],
         )
     if sheet.looped:

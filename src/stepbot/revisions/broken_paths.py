@@ -151,10 +151,10 @@ def renamed_lock(compared: Comparison) -> Snapshot:
     renamed = certain_renamings(compared)
     broken = {one.pattern: one for one in compared.broken}
     references = [
-        Reference(renamed[one.path], broken[one.path].new)
-        if one.path in renamed
-        else replace(one, components=tuple(names.get(path, path) for path in one.components))
-        for one in lock.references
+        Reference(renamed[reference.path], broken[reference.path].new)
+        if reference.path in renamed
+        else replace(reference, components=tuple(names.get(path, path) for path in reference.components))
+        for reference in lock.references
     ]
-    by_path = {one.path: one for one in references}
+    by_path = {reference.path: reference for reference in references}
     return replace(lock, parts=tuple(parts), references=tuple(by_path[path] for path in sorted(by_path)))

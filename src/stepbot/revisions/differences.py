@@ -59,7 +59,7 @@ def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:
 
 def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
     """Differences of two robots, quantity by quantity; consequences of other differences are left out."""
-    compared = [one for one in results if not one.not_run and one.quantity not in _NO_DIFFERENCE]
+    compared = [result for result in results if not result.not_run and result.quantity not in _NO_DIFFERENCE]
     failed = [one for one in compared if one.deviations.failures]
     direct = [one for one in failed if one.quantity not in _FOLLOWING]
     return tuple(row for one in direct or failed for row in _of_robots(one.quantity, one.deviations.failures))
@@ -68,21 +68,21 @@ def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
 def not_compared(results: Sequence[Compared]) -> str:
     """The quantities of two robots that were not compared, by reason; empty if all were."""
     by_reason: dict[str, list[str]] = {}
-    for one in results:
-        if one.not_run and one.quantity not in _NO_DIFFERENCE:
-            by_reason.setdefault(one.not_run, []).append(one.quantity.value)
+    for result in results:
+        if result.not_run and result.quantity not in _NO_DIFFERENCE:
+            by_reason.setdefault(result.not_run, []).append(result.quantity.value)
     return "; ".join(f"{', '.join(quantities)} ({reason})" for reason, quantities in by_reason.items())
 
 
 def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Difference]:
     """Differences of one quantity; a distance and an angle at the same place are one difference."""
     by_place: dict[str, list[Deviation]] = {}
-    for one in failures:
-        new = one.where.replace(" is not in the robot", " is new")
-        name = f"{one.where}, formerly {one.expected}" if one.expected else new
-        by_place.setdefault(name.removesuffix(" at configuration 1"), []).append(one)
+    for failure in failures:
+        new = failure.where.replace(" is not in the robot", " is new")
+        name = f"{failure.where}, formerly {failure.expected}" if failure.expected else new
+        by_place.setdefault(name.removesuffix(" at configuration 1"), []).append(failure)
     for name, diagnostics in by_place.items():
-        by_unit = {one.unit: one for one in diagnostics}
+        by_unit = {diagnostic.unit: diagnostic for diagnostic in diagnostics}
         renamed = _RENAMED.fullmatch(name)
         if renamed is not None:
             yield Difference("renamed", renamed[1], "paired by structure", new_name=renamed[2])
@@ -91,7 +91,7 @@ def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Di
             words = moved_words(Motion(distance, angle))
             yield Difference(quantity.value, name, words, amount=distance, unit="m", angle=angle)
         else:
-            yield from (_of_robot(quantity, name, one) for one in diagnostics)
+            yield from (_of_robot(quantity, name, diagnostic) for diagnostic in diagnostics)
 
 
 def _of_robot(quantity: Quantity, name: str, deviation: Deviation) -> Difference:

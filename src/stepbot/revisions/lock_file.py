@@ -33,10 +33,10 @@ def lock_bytes(snapshot: Snapshot) -> bytes:
     """The lock as UTF-8, one record on a line."""
     head = {"version": VERSION, "robot": snapshot.robot, "step": {"file": snapshot.source, "blake2b": snapshot.digest}}
     lists: dict[str, list[dict[str, Any]]] = {
-        "shapes": [picked(one, _SHAPE, faces=dict(one.faces)) for one in snapshot.shapes],
-        "parts": [picked(one, _PART) for one in snapshot.parts],
-        "joints": [picked(one, _JOINT) for one in snapshot.joints],
-        "references": [picked(one, _REFERENCE) for one in snapshot.references],
+        "shapes": [picked(shape, _SHAPE, faces=dict(shape.faces)) for shape in snapshot.shapes],
+        "parts": [picked(part, _PART) for part in snapshot.parts],
+        "joints": [picked(joint, _JOINT) for joint in snapshot.joints],
+        "references": [picked(reference, _REFERENCE) for reference in snapshot.references],
     }
     lines = [f"  {_line(key)}: {_line(value)}" for key, value in head.items()]
     for key, records in lists.items():

@@ -117,7 +117,7 @@ def data_sheet(robot: Robot) -> DataSheet:
         exact_sum(link.mass_properties.mass for link in robot.links),
         tuple((link.name, link.mass_properties.mass) for link in robot.links),
         _materials(robot),
-        tuple((one.name, one.motor.name) for one in robot.actuators if one.motor is not None),
+        tuple((actuator.name, actuator.motor.name) for actuator in robot.actuators if actuator.motor is not None),
         (x, y, z) if around else None,
         standing(robot, drawn) if robot.base is Base.FLOATING else None,
         forces.joints(),
@@ -128,15 +128,19 @@ def data_sheet(robot: Robot) -> DataSheet:
 
 
 def _plays(robot: Robot) -> Iterator[tuple[str, float, str]]:
-    for one in robot.actuators:
-        figure = None if one.motor is None else one.motor.figure("backlash")
+    for actuator in robot.actuators:
+        figure = None if actuator.motor is None else actuator.motor.figure("backlash")
         if figure is not None:
-            yield one.joint, figure.value, figure.unit
+            yield actuator.joint, figure.value, figure.unit
 
 
 def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:
     """The masses of components by what they are made of, the heaviest first."""
-    motors = {f"motor of actuator '{one.name}'": one.motor.name for one in robot.actuators if one.motor is not None}
+    motors = {
+        f"motor of actuator '{actuator.name}'": actuator.motor.name
+        for actuator in robot.actuators
+        if actuator.motor is not None
+    }
     densities: dict[str, list[float]] = {}
     for one in (mass for link in robot.links for mass in link.masses):
         if one.origin in motors:
@@ -159,7 +163,7 @@ def accelerations(robot: Robot) -> dict[str, float]:
         forces = _Forces(robot, POSTURES_IN_LOOPS if robot.closures else 24)
     except DoesNotClose:  # reported where the loops are verified
         return {}
-    return {one.name: one.acceleration for one in forces.joints() if one.acceleration is not None}
+    return {joint.name: joint.acceleration for joint in forces.joints() if joint.acceleration is not None}
 
 
 def with_accelerations(robot: Robot) -> Robot:
@@ -219,7 +223,7 @@ class _Forces:
     def _effort(self, name: str) -> float:
         """Effort that moves a joint: that of its actuators, else the limit of the joint; infinite without one."""
         joint = self.robot.joint_by_name[name]
-        drives = [actuator_limit(one, joint).effort for one in self.robot.actuators if one.joint == name]
+        drives = [actuator_limit(actuator, joint).effort for actuator in self.robot.actuators if actuator.joint == name]
         return min(joint.limit.effort, exact_sum(drives) if drives else inf)
 
     def joints(self) -> tuple[JointFigures, ...]:
@@ -288,7 +292,9 @@ def _tips(robot: Robot) -> list[Frame]:
             continue
         places = [frame for frame in robot.frames if bodies[frame.link] == body]
         places = places or [Frame(link.name, link.name) for link in robot.links if bodies[link.name] == body]
-        tips.append(max(places, key=lambda one: float(np.linalg.norm((X[body].inverse() @ X[one.link] @ one.X_LF).p))))
+        tips.append(
+            max(places, key=lambda place: float(np.linalg.norm((X[body].inverse() @ X[place.link] @ place.X_LF).p)))
+        )
     return tips
 
 

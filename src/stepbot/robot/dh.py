@@ -98,8 +98,8 @@ def forward(table: DhTable, q: dict[str, float]) -> Pose:
 
 def _across(z: Array, *candidates: Array) -> Array:
     """The first direction that is not along z, across it."""
-    for one in candidates:
-        across = one - z * (z @ one)
+    for candidate in candidates:
+        across = candidate - z * (z @ candidate)
         if np.linalg.norm(across) > _PARALLEL:
             return np.asarray(across / np.linalg.norm(across))
     raise ValueError("all directions are along the axis")

@@ -69,9 +69,9 @@ def equations_at(
     tree = tree or Tree(robot)
     at_once = max(1, _MOST_ENTRIES // max(1, len(robot.links) * len(tree.joints)))
     return [
-        one
+        equation
         for start in range(0, len(moments), at_once)
-        for one in _equations(robot, moments[start : start + at_once], gravity, tree)
+        for equation in _equations(robot, moments[start : start + at_once], gravity, tree)
     ]
 
 

@@ -195,7 +195,9 @@ def _driven(robot: Robot) -> _Driven:
 
     inertia, weight = seen(home)
     largest, heaviest = inertia, np.abs(weight)
-    searched = {one.joint for one in robot.actuators if one.tuning is not None and one.tuning.at_least}
+    searched = {
+        actuator.joint for actuator in robot.actuators if actuator.tuning is not None and actuator.tuning.at_least
+    }
     of = [drive for drive in drives if tree.independent[drive] in searched]
     if of and (worst := worst_postures(robot, tree, of)) is not None:
         _, driven, held = worst
@@ -203,7 +205,10 @@ def _driven(robot: Robot) -> _Driven:
         largest, heaviest = inertia.copy(), heaviest.copy()
         largest[of] = np.maximum(largest[of], driven + armatures)
         heaviest[of] = np.maximum(heaviest[of], held)
-    stepped, tuned_joints = np.stack([weight] * 3, axis=1), {one.joint for one in robot.actuators if one.tuning}
+    stepped, tuned_joints = (
+        np.stack([weight] * 3, axis=1),
+        {actuator.joint for actuator in robot.actuators if actuator.tuning},
+    )
     for index, name in enumerate(names):
         if robot.closures or name not in tuned_joints:
             continue
@@ -338,7 +343,7 @@ def _load_on_wheel(robot: Robot, joint: Joint) -> float:
 
     The radius is the height of the axle above the floor on which the robot stands. 0 for what is no wheel.
     """
-    wheels = {one.joint for one in robot.actuators if one.kind is ActuatorKind.VELOCITY}
+    wheels = {actuator.joint for actuator in robot.actuators if actuator.kind is ActuatorKind.VELOCITY}
     if robot.base is not Base.FLOATING or joint.kind is not JointKind.CONTINUOUS or joint.name not in wheels:
         return 0.0
     home = initial_configuration(robot)

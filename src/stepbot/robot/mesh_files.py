@@ -103,7 +103,9 @@ def share_meshes(robot: Robot) -> Robot:
         )
 
     if instead:
-        links = (replace(one, visuals=shared(one.visuals), collisions=shared(one.collisions)) for one in robot.links)
+        links = (
+            replace(link, visuals=shared(link.visuals), collisions=shared(link.collisions)) for link in robot.links
+        )
         robot = replace(robot, links=tuple(links))
     used = {shape.geometry for shape in robot.distinct_shapes}
     return replace(robot, meshes=tuple(asset for asset in robot.meshes if MeshRef(asset.name) in used))

@@ -33,4 +33,4 @@ class Motor(Struct, frozen=True):
 
     def figure(self, quantity: str) -> MotorFigure | None:
         """What it gives for a quantity; None if nothing."""
-        return next((one for one in self.figures if one.quantity == quantity), None)
+        return next((figure for figure in self.figures if figure.quantity == quantity), None)

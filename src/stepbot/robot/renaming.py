@@ -106,6 +106,7 @@ def renamed(
         excluded_contacts=tuple(sorted(pair(a, b) for a, b in robot.excluded_contacts)),
         self_collision=overlaps,
         modules=tuple(
-            replace(one, links=tuple(map(link, one.links)), at=link(one.at) if one.at else "") for one in robot.modules
+            replace(module, links=tuple(map(link, module.links)), at=link(module.at) if module.at else "")
+            for module in robot.modules
         ),
     )

@@ -88,7 +88,7 @@ def where_largest(
     ranges = leader_ranges(robot, tree.independent)
     low, high = np.array([ranges[name] for name in tree.independent]).T
     each, longest = np.arange(len(coordinates)), max(map(len, coordinates))
-    columns = [np.array([one[step % len(one)] for one in coordinates]) for step in range(longest)]
+    columns = [np.array([coordinate[step % len(coordinate)] for coordinate in coordinates]) for step in range(longest)]
 
     def best(tried: Array, count: int = 1) -> Array:
         """The configurations (t, count, k) of the largest values among some for each, (t, m, k)."""

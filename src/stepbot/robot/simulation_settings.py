@@ -54,12 +54,12 @@ def _has_stiff_wheels(robot: Robot) -> bool:
     it starts and stops.
     """
     return any(
-        one.kind is ActuatorKind.VELOCITY
-        and one.tuning is not None
-        and one.tuning.at_least
-        and one.kv * one.gear**2 * OPEN_TIMESTEP > 2.0 * one.tuning.inertia > 0.0
-        and _has_little_effort(one, robot.joint_by_name[one.joint])
-        for one in robot.actuators
+        actuator.kind is ActuatorKind.VELOCITY
+        and actuator.tuning is not None
+        and actuator.tuning.at_least
+        and actuator.kv * actuator.gear**2 * OPEN_TIMESTEP > 2.0 * actuator.tuning.inertia > 0.0
+        and _has_little_effort(actuator, robot.joint_by_name[actuator.joint])
+        for actuator in robot.actuators
     )
 
 

@@ -283,9 +283,9 @@ def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
             if path == staging or not S_ISDIR(status.st_mode) or time.time() - status.st_mtime <= _ABANDONED_AFTER:
                 continue
             leftovers = list(path.iterdir())
-            if all(_LEFTOVER.fullmatch(one.name) and S_ISREG(one.lstat().st_mode) for one in leftovers) and (
-                leftovers or _EMPTY_STAGING.fullmatch(path.name)
-            ):
+            if all(
+                _LEFTOVER.fullmatch(leftover.name) and S_ISREG(leftover.lstat().st_mode) for leftover in leftovers
+            ) and (leftovers or _EMPTY_STAGING.fullmatch(path.name)):
                 for one in leftovers:
                     one.unlink()
                 path.rmdir()

@@ -86,14 +86,14 @@ def axes_between(shown: Shown | None, question: Json) -> Json:
     if shown is None or shown.assembly is None:
         return {"lines": []}
     assembly = shown.assembly
-    indices = {one.path: one.index for one in assembly.components}
+    indices = {component.path: component.index for component in assembly.components}
     a, b = (indices.get(text(question, name)) for name in ("a", "b"))
     if a is None or b is None:
         raise Refused("no such part")
     path = assembly.components[a].path
     link = next((parts for parts in _links(shown).values() if path in parts), [])
     axes = shared_lines(assembly, a, b, [indices[one] for one in link])
-    return {"lines": [asdict(one) for one in axes]}
+    return {"lines": [asdict(axis) for axis in axes]}
 
 
 def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json:
@@ -120,13 +120,13 @@ def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json
     elif isinstance(origin, MateOrigin):
         a, b = (_below(assembly, path) for path in origin.mate)
     else:
-        indices, links = {one.path: one.index for one in assembly.components}, _links(shown)
+        indices, links = {component.path: component.index for component in assembly.components}, _links(shown)
         a, b = ([indices[path] for path in links.get(link, [])] for link in ends)
     selected = Selector(origin.radius, origin.near)
     axes = lines_of_origin(
         assembly, a, b, selected, direction_only=kind is JointKind.PRISMATIC, all_explicit=is_doubted
     )
-    return {"lines": [asdict(one) for one in axes]}
+    return {"lines": [asdict(axis) for axis in axes]}
 
 
 def _below(assembly: Assembly, pattern: str) -> Sequence[int]:

@@ -59,7 +59,7 @@ def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
     changes = given if isinstance(given, Mapping) else None
     base = sidecar_of(robot, changes, sidecar.path.parent / source, diagnostics := Diagnostics())
     if base is None:
-        raise Refused(next((one.message for one in diagnostics), "the description cannot be edited"))
+        raise Refused(next((diagnostic.message for diagnostic in diagnostics), "the description cannot be edited"))
     assert isinstance(sidecar.root, Mapping)
     entries = {key: entry for key, entry in sidecar.root.entries.items() if key != "modules"}
     entries |= {} if changes is None else changes.entries
@@ -71,10 +71,10 @@ def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
 def require_editable(view: Edited, robot: Robot | None, question: Json) -> None:
     """Refuse edits of a description's tree of links, and of elements of a module, whose own file is named."""
     edits = question.get("edits")
-    for one in edits if isinstance(edits, list) else [question]:
-        if view.module and isinstance(one, dict) and one.get("action") in _STAY:
+    for edit in edits if isinstance(edits, list) else [question]:
+        if view.module and isinstance(edit, dict) and edit.get("action") in _STAY:
             raise Refused(f"the tree of links is that of '{view.source}', which stays as it is")
-        for section, name in _subjects(one):
+        for section, name in _subjects(edit):
             own = getattr(view.sidecar.document, section)
             module = None if robot is None or name in own else _module_of(robot, section, name)
             if module is not None:
@@ -110,8 +110,8 @@ def _subjects(edit: object) -> Iterator[tuple[str, str]]:
 
 def _module_of(robot: Robot, section: str, name: str) -> Module | None:
     """The innermost module of a link, or of the link below a joint."""
-    link = name if section == "links" else next((one.child for one in robot.joints if one.name == name), "")
-    return next((one for one in reversed(robot.modules) if link in one.links), None)
+    link = name if section == "links" else next((joint.child for joint in robot.joints if joint.name == name), "")
+    return next((module for module in reversed(robot.modules) if link in module.links), None)
 
 
 def in_file(actual: Sidecar, view: Edited, changes: list[Change], question: Json) -> list[Change]:
@@ -190,9 +190,9 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
     actuators in comments of the draft, ``finding`` for a diagnostic.
     """
     open_questions = [*_questions(sidecar), *_axes(scene)]
-    about = {tuple(keys) for one in open_questions for keys in one["keys"]}
+    about = {tuple(keys) for question in open_questions for keys in question["keys"]}
     open_questions += _marks(sidecar, about)
-    about |= {tuple(keys) for one in open_questions for keys in one["keys"]}
+    about |= {tuple(keys) for question in open_questions for keys in question["keys"]}
     todo = [keys for keys, one in scalars(sidecar.root) if one.value == "todo"]
     kinds = {name: joint.type.value for name, joint in sidecar.document.joints.items()}
     places: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
@@ -218,7 +218,9 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
         else:
             first["text"] += f"\n{one['message']}"
             first["keys"] += [list(keys)] if keys and list(keys) not in first["keys"] else []
-    return sorted(open_questions, key=lambda one: (one["rank"], one["kind"] == "todo", -len(one["keys"])))
+    return sorted(
+        open_questions, key=lambda question: (question["rank"], question["kind"] == "todo", -len(question["keys"]))
+    )
 
 
 def _questions(sidecar: Sidecar) -> Iterator[Json]:
@@ -269,9 +271,9 @@ def _fused(sidecar: Sidecar) -> Iterator[Json]:
 
 def _motors(sidecar: Sidecar) -> Iterator[Json]:
     groups: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
-    for one in drafted_actuators(sidecar.text):
-        if one.joint in sidecar.document.joints:
-            groups[one.models, one.review].append(("joints", one.joint))
+    for actuator in drafted_actuators(sidecar.text):
+        if actuator.joint in sidecar.document.joints:
+            groups[actuator.models, actuator.review].append(("joints", actuator.joint))
     for (models, review), keys in groups.items():
         yield {**_decision("motor", keys, review, rank=_PLACES["actuators"]), "models": list(models)}
 
@@ -285,7 +287,7 @@ def _decision(kind: str, keys: list[Keys], text: str, finding: Json | None = Non
     first = str(keys[0][0]) if keys else ""
     rank = _PLACES.get(first, _LATER) if rank is None else rank
     extra = {"help": [], "code": "", "severity": ""} if finding is None else {key: finding[key] for key in _FINDING}
-    return {"kind": kind, "keys": [list(one) for one in keys], "text": text, "rank": rank, **extra}
+    return {"kind": kind, "keys": [list(key) for key in keys], "text": text, "rank": rank, **extra}
 
 
 _FINDING = ("help", "code", "severity")

@@ -170,6 +170,8 @@ def _lines(content: bytes) -> tuple[str, str]:
 
 def _reasons(diagnostics: Diagnostics, otherwise: str) -> str:
     """The errors, each with its first remedy."""
-    errors = [one for one in diagnostics if one.severity == "error"]
-    lines = [f"{one.message} ({one.code}){': ' + one.remedies[0] if one.remedies else ''}" for one in errors[:3]]
+    errors = [diagnostic for diagnostic in diagnostics if diagnostic.severity == "error"]
+    lines = [
+        f"{error.message} ({error.code}){': ' + error.remedies[0] if error.remedies else ''}" for error in errors[:3]
+    ]
     return "\n".join([f"{otherwise}:", *lines]) if lines else otherwise

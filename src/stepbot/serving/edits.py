@@ -106,7 +106,7 @@ def keep_draft(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG00
 def drive(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{joints, motor}``: actuators in comments of the draft become entries; with ``drop: true`` they go."""
     joints = names_of(question, "joints")
-    drafted = [one for one in drafted_actuators(sidecar.text) if one.joint in joints]
+    drafted = [actuator for actuator in drafted_actuators(sidecar.text) if actuator.joint in joints]
     if not drafted:
         raise Refused("the draft has no actuator of these joints")
     entries: list[Change] = []
@@ -220,9 +220,11 @@ def changes_of(sidecar: Sidecar, question: Json) -> list[Change]:
     name = text(question, "action")
     if name == "all":
         edits = question.get("edits")
-        if not isinstance(edits, list) or not all(isinstance(one, dict) and one.get("action") != name for one in edits):
+        if not isinstance(edits, list) or not all(
+            isinstance(edit, dict) and edit.get("action") != name for edit in edits
+        ):
             raise Refused("a list of edits is expected")
-        changes = [change for one in edits for change in changes_of(sidecar, one)]
+        changes = [change for edit in edits for change in changes_of(sidecar, edit)]
         return [one for at, one in enumerate(changes) if not (isinstance(one, Append) and one in changes[:at])]
     action = _ACTIONS.get(name)
     if action is None:

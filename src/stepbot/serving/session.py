@@ -148,7 +148,10 @@ class Session:
         view = editor.sidecar()
         document = written(view, {} if shown is None or shown.scene is None else shown.scene)
         modules = () if shown is None or shown.robot is None else shown.robot.modules
-        places = [{"name": one.name, "links": one.links, "edit": module_command(view.sidecar, one)} for one in modules]
+        places = [
+            {"name": module.name, "links": module.links, "edit": module_command(view.sidecar, module)}
+            for module in modules
+        ]
         return {**document, "modules": places}
 
     def prove(self, run: Produce = produce) -> Conversion | None:
@@ -209,7 +212,9 @@ class Session:
         if shown is None or shown.assembly is None:
             return {}
         assembly = shown.assembly
-        index = next((one.index for one in assembly.components if one.path == question.get("component")), None)
+        index = next(
+            (component.index for component in assembly.components if component.path == question.get("component")), None
+        )
         triangle = _triangle(question.get("triangle"))
         if index is None or assembly.components[index].body < 0 or triangle is None:
             raise Refused("no such face")

@@ -106,7 +106,7 @@ def value_of(text: str) -> Any:
     except (YAMLError, TooMuchError) as error:
         raise CannotEdit(f"'{text}' is not a value of YAML; put a text in double quotes") from error
     if diagnostics.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
-        raise CannotEdit(next((one.message for one in diagnostics), f"'{text}' is not a value"))
+        raise CannotEdit(next((diagnostic.message for diagnostic in diagnostics), f"'{text}' is not a value"))
     return plain_data(tree, shared=False)["value"]
 
 
@@ -114,7 +114,11 @@ def _values(text: str, path: Path) -> Any:
     diagnostics = Diagnostics()
     sidecar = parse_sidecar(text, path, diagnostics)
     if sidecar is None:
-        errors = ("; ".join((one.message, *one.help[:1])) for one in diagnostics if one.severity == "error")
+        errors = (
+            "; ".join((diagnostic.message, *diagnostic.help[:1]))
+            for diagnostic in diagnostics
+            if diagnostic.severity == "error"
+        )
         first = next(errors, "it cannot be read")
         raise CannotEdit(f"the result would not be a sidecar: {first}")
     return plain_data(sidecar.root, shared=False)

@@ -223,7 +223,7 @@ def _unreached_speed(figures: Sequence[MotorFigure]) -> str | None:
 
     The speed is (effort - friction) / damping, at which nothing is left for a load.
     """
-    given = {one.quantity: one for one in figures}
+    given = {figure.quantity: figure for figure in figures}
     if not {"effort", "velocity", "damping"} <= given.keys() or given["damping"].value <= 0.0:
         return None
     effort, speed, damping = given["effort"], given["velocity"], given["damping"]

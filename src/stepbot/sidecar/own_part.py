@@ -36,7 +36,7 @@ def own_part(sidecar: Sidecar) -> Sidecar:
     }
 
     def is_own(*references: str | None) -> bool:
-        return not any(is_foreign(document, one) or (one in document.frames) for one in references)
+        return not any(is_foreign(document, reference) or (reference in document.frames) for reference in references)
 
     joints = {name: joint for name, joint in document.joints.items() if is_own(joint.parent, joint.child)}
     closures = {name: one for name, one in document.closures.items() if is_own(one.link_a, one.link_b)}

@@ -30,10 +30,12 @@ def values_of(robot: Robot, source: str, kinds: Mapping[str, object]) -> Json:
         "step": source,
         "base": robot.base.value,
         "links": {link.name: _link(link) for link in robot.links},
-        "joints": {one.name: _joint(one, kinds.get(one.name, one.kind)) for one in robot.joints},
-        "frames": {one.name: {"link": one.link, "origin": _origin(one.X_LF, one.link)} for one in robot.frames},
-        "actuators": {one.name: _actuator(one) for one in robot.actuators},
-        "sensors": {one.name: _sensor(one) for one in robot.sensors},
+        "joints": {joint.name: _joint(joint, kinds.get(joint.name, joint.kind)) for joint in robot.joints},
+        "frames": {
+            frame.name: {"link": frame.link, "origin": _origin(frame.X_LF, frame.link)} for frame in robot.frames
+        },
+        "actuators": {actuator.name: _actuator(actuator) for actuator in robot.actuators},
+        "sensors": {sensor.name: _sensor(sensor) for sensor in robot.sensors},
         "excluded_contacts": [list(pair) for pair in robot.excluded_contacts],
     }
 

@@ -81,10 +81,10 @@ def _with_other_files(modules: Tree, patch: Tree) -> Tree:
     if not (isinstance(modules, Mapping) and isinstance(patch, Mapping)):
         return modules
     entries = dict(modules.entries)
-    for name in (one for one in patch.entries if one in entries):
+    for name in (entry for entry in patch.entries if entry in entries):
         module = entries[name]
         files = [one for tree in (modules, patch) for one in way(tree, (name, "file"))[2:]]
-        if len({one.text for one in files if isinstance(one, Scalar)}) > 1 and isinstance(module.value, Mapping):
+        if len({file.text for file in files if isinstance(file, Scalar)}) > 1 and isinstance(module.value, Mapping):
             kept = {key: entry for key, entry in module.value.entries.items() if key not in _OF_FILE}
             entries[name] = Entry(module.key_span, _mapping(module.value, kept))
     return _mapping(modules, entries)
@@ -268,7 +268,7 @@ def _text(tree: Tree, key: str) -> str:
 
 
 def _texts(tree: Tree) -> list[str]:
-    return [one.text for one in tree.values if isinstance(one, Scalar)] if isinstance(tree, Listing) else []
+    return [value.text for value in tree.values if isinstance(value, Scalar)] if isinstance(tree, Listing) else []
 
 
 def _kept(section: Tree, out: set[str]) -> Tree:

@@ -96,7 +96,7 @@ def transfer(reader: Any) -> Any:
 def matrices_of(transformations: Sequence[Any]) -> Array:
     """Transformations of the kernel as homogeneous matrices (n, 4, 4) [m]."""
     X = np.zeros((len(transformations), 4, 4))
-    values = [[one.Value(row, column) for row, column in _PLACES] for one in transformations]
+    values = [[transformation.Value(row, column) for row, column in _PLACES] for transformation in transformations]
     X[:, :3, :] = np.array(values).reshape(-1, 3, 4)
     X[:, :3, 3] /= MILLIMETRES_PER_METRE
     X[:, 3, 3] = 1.0

@@ -83,11 +83,11 @@ def is_robot_file(path: Path, diagnostics: Diagnostics) -> bool:
             diagnostics.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
         return not source
     if is_folder(path):
-        inside = listed([one.as_posix() for one in main_files(path)], _SHOWN)
+        inside = listed([file.as_posix() for file in main_files(path)], _SHOWN)
         help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"
         diagnostics.add("SB001", "is a folder, not a file", span, help=[help])
         return False
-    beside = [one.as_posix() for one in main_files(path.parent)]
+    beside = [file.as_posix() for file in main_files(path.parent)]
     near = did_you_mean(path.name, (Path(one).name for one in beside))
     others = [f"robot files in '{path.parent.as_posix()}': {listed(beside, _SHOWN)}"] if beside else []
     diagnostics.add("SB001", "file not found", span, help=near or others)
@@ -198,7 +198,9 @@ def expanded(
     shown = {str(resolved(path)): path.as_posix()}
     macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
     if macros.error:
-        calls = list(dict.fromkeys(f"in the macro called in {Path(one.file).name}:{one.line}" for one in macros.calls))
+        calls = list(
+            dict.fromkeys(f"in the macro called in {Path(call.file).name}:{call.line}" for call in macros.calls)
+        )
         place = macros.at._replace(file=shown.get(macros.at.file, macros.at.file))
         diagnostics.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
         return None
@@ -242,8 +244,8 @@ def _examined(
             message = f"the process that reads the file's references died: {death.reason}"
             diagnostics.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)
             continue
-        for one in examined.refusals:
-            diagnostics.add(one.code, one.message, Span(Path(one.file).as_posix(), one.line))
+        for refusal in examined.refusals:
+            diagnostics.add(refusal.code, refusal.message, Span(Path(refusal.file).as_posix(), refusal.line))
         if not examined.refusals:
             yield path, examined
 
@@ -252,7 +254,7 @@ def _report_missing(span: Span, missing: tuple[MissingMesh, ...], diagnostics: D
     """Report meshes that a file names and that do not exist (SB861)."""
     first, *others = missing
     more = f" and {len(others)} more" if others else ""
-    notes = cut([f"also missing: '{one.uri}'" for one in others], _MOST_NOTES)
+    notes = cut([f"also missing: '{other.uri}'" for other in others], _MOST_NOTES)
     remedy = "put the meshes where the file names them"
     if any("://" in one.uri for one in missing):
         remedy = "name the folder of the package: `--package-path DIR`"

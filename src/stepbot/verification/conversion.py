@@ -120,7 +120,7 @@ def verify(
     check_started(required, outcomes, diagnostics)
     for key, one in written.items():
         _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], diagnostics)
-    diagnostics.extend(one.after("convert") for one in differences)
+    diagnostics.extend(difference.after("convert") for difference in differences)
     overlaps, collision_check = _self_collision(robot, provers, timeout, diagnostics)
     return report_of(
         (*checks, collision_check),
@@ -209,7 +209,7 @@ def _self_collision(
     reported = frozenset(map(frozenset, robot.excluded_contacts))
     if robot.self_collision is not None:
         reported |= robot.self_collision.excluded  # with SB620
-    for a, b, depth in (one for one in overlaps if frozenset(one[:2]) not in reported):
+    for a, b, depth in (overlap for overlap in overlaps if frozenset(overlap[:2]) not in reported):
         deep = "" if depth is None else f" by {depth * 1e3:.3g} mm"
         diagnostics.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
     pairs = "; ".join(f"'{a}' and '{b}' overlap" for a, b, _ in overlaps)

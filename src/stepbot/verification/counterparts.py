@@ -38,16 +38,19 @@ def with_new_names(observation: Observation, names: NewNames) -> Observation:
         links=tuple(replace(one, name=link(one.name)) for one in observation.links),
         joints=tuple(_renamed_joint(one, names) for one in observation.joints),
         coordinates=tuple(map(joint, observation.coordinates)),
-        poses=tuple(_keys(one, link) for one in observation.poses),
+        poses=tuple(_keys(pose, link) for pose in observation.poses),
         closures=observation.closures
-        and tuple(replace(one, link_a=link(one.link_a), link_b=link(one.link_b)) for one in observation.closures),
+        and tuple(
+            replace(closure, link_a=link(closure.link_a), link_b=link(closure.link_b))
+            for closure in observation.closures
+        ),
         frames=frames and {names.frame(name): (link(on), X) for name, (on, X) in frames.items()},
         actuators=observation.actuators
-        and tuple(replace(one, joint=joint(one.joint)) for one in observation.actuators),
+        and tuple(replace(actuator, joint=joint(actuator.joint)) for actuator in observation.actuators),
         sensors=observation.sensors
         and tuple(
-            replace(one, link=one.link and link(one.link), joint=one.joint and joint(one.joint))
-            for one in observation.sensors
+            replace(sensor, link=sensor.link and link(sensor.link), joint=sensor.joint and joint(sensor.joint))
+            for sensor in observation.sensors
         ),
         initial=None if observation.initial is None else _keys(observation.initial, joint),
         excluded_pairs=observation.excluded_pairs
@@ -182,7 +185,7 @@ def _solid(side: _Side, names: Sequence[str], others: Sequence[str]) -> list[str
 
 def _nearest(ours: _Side, theirs: _Side, name: str, candidates: Sequence[str]) -> str:
     """The candidate whose joint is nearest at zero; empty if none is near."""
-    near = [(_distance(ours, name, theirs, one), one) for one in candidates]
+    near = [(_distance(ours, name, theirs, candidate), candidate) for candidate in candidates]
     distance, best = min(near, default=(np.inf, ""))
     return best if distance < _FAR else ""
 

@@ -126,7 +126,7 @@ def compare_two(
         list(checks_within(key, some, reported))
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
     errors = [one.after("verify") for one in reported if one.severity == "error"]
-    diagnostics.extend(one for one in errors if len(seen) < 2 or one.code in _UNREAD)
+    diagnostics.extend(error for error in errors if len(seen) < 2 or error.code in _UNREAD)
     if len(seen) < 2:
         if not diagnostics.has_errors:
             for key, some in of_file.items():
@@ -221,10 +221,10 @@ def observed(
         )
         outcomes = engines.results(workers.timeout)
         return asked, [
-            replace(one, observation=one.observation and with_new_names(one.observation, new))
-            if (new := names.get(asked.requests[one.key].file))
-            else one
-            for one in outcomes
+            replace(outcome, observation=outcome.observation and with_new_names(outcome.observation, new))
+            if (new := names.get(asked.requests[outcome.key].file))
+            else outcome
+            for outcome in outcomes
         ]
 
 

@@ -138,8 +138,8 @@ def report_of(
         names: Name of the file of each key of the outcomes; None for the keys.
         more: Further fields of the report.
     """
-    ran = {one.engine: one.observation for one in outcomes if one.observation is not None}
-    seen = [(one, one.observation) for one in outcomes if one.observation is not None]
+    ran = {outcome.engine: outcome.observation for outcome in outcomes if outcome.observation is not None}
+    seen = [(outcome, outcome.observation) for outcome in outcomes if outcome.observation is not None]
     return Report(
         checks=tuple(checks),
         versions={engine: ran[engine].version for engine in sorted(ran)},
@@ -235,7 +235,7 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, diagnostics: Diag
                 for one in _compared_across(ours, theirs, asked, first=first)
                 if one.quantity not in compared and (first or (one.quantity in _STILL and not one.not_run))
             ]
-            compared |= {one.quantity for one in results if not one.not_run}
+            compared |= {result.quantity for result in results if not result.not_run}
             if not ours.observation.gravity:  # another file may have one
                 compared.discard(Quantity.GRAVITY_SETTINGS)
             for one in results:
@@ -261,7 +261,7 @@ def _compared_across(
         _add_other_names(results, asked.paired.get(theirs.key, UNCHANGED))
     if ours.format == theirs.format:
         equal = not any(
-            one.deviations.failures for one in results if not one.not_run and one.quantity not in OWN_RESULT
+            result.deviations.failures for result in results if not result.not_run and result.quantity not in OWN_RESULT
         )
         texts = [asked.texts.get(key, ()) for key in (ours.key, theirs.key)]
         compiled = bool(ours.observation.compiled) and ours.observation.compiled == theirs.observation.compiled
@@ -275,8 +275,8 @@ def _compared_across(
 
 def _add_other_names(results: Iterable[Compared], names: NewNames) -> None:
     """What was paired by structure has another name."""
-    for one in results:
-        renamed = {Quantity.LINKS: names.links, Quantity.JOINTS: names.joints}.get(one.quantity, {})
+    for result in results:
+        renamed = {Quantity.LINKS: names.links, Quantity.JOINTS: names.joints}.get(result.quantity, {})
         for new, old in renamed.items():
-            what = one.quantity.value.removesuffix("s")
-            one.deviations.equal(False, f"{what} '{old}' is named '{new}', paired by structure")
+            what = result.quantity.value.removesuffix("s")
+            result.deviations.equal(False, f"{what} '{old}' is named '{new}', paired by structure")

@@ -59,11 +59,11 @@ def _given(seen: Observation) -> Observation:
     def given(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
         return shapes and tuple(
             replace(
-                one,
-                rgba=None if one.rgba_is_default else one.rgba,
-                surface=None if one.surface == one.surface_default else one.surface,
+                shape,
+                rgba=None if shape.rgba_is_default else shape.rgba,
+                surface=None if shape.surface == shape.surface_default else shape.surface,
             )
-            for one in shapes
+            for shape in shapes
         )
 
     links = (replace(link, visuals=given(link.visuals), collisions=given(link.collisions)) for link in seen.links)

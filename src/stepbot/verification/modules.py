@@ -162,7 +162,7 @@ def _coordinate(name: str, joints: Mapping[str, str]) -> str:
     """The name of a joint, or of a coordinate that is named after its joint, in the module alone."""
     if name in joints:
         return joints[name]
-    whole = next((one for one in joints if name.startswith(one) and name.removeprefix(one) in _CHAINS), "")
+    whole = next((joint for joint in joints if name.startswith(joint) and name.removeprefix(joint) in _CHAINS), "")
     return joints[whole] + name.removeprefix(whole) if whole else ""
 
 
@@ -170,7 +170,7 @@ def _steps(alone: Robot) -> dict[str, Joint]:
     """The coordinates of joints whose mirror images have others, each with its joint."""
     joints = [joint for joint in alone.joints if joint.kind not in _SAME_COORDINATES]
     suffixes = {JointKind.SCREW: ("_slide",)}  # in formats that have no screws
-    return {one.name + suffix: one for one in joints for suffix in suffixes.get(one.kind, one.kind.chain)}
+    return {joint.name + suffix: joint for joint in joints for suffix in suffixes.get(joint.kind, joint.kind.chain)}
 
 
 def _images(

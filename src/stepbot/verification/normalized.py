@@ -104,7 +104,9 @@ def _with_frames(observation: Observation, links: set[str]) -> Observation:
         joints=tuple(joint for joint in observation.joints if joint.child not in mounts),
         poses=tuple({link: X for link, X in poses.items() if link not in mounts} for poses in observation.poses),
         frames={**(observation.frames or {}), **frames},
-        sensors=None if observation.sensors is None else tuple(_on_link(one, frames) for one in observation.sensors),
+        sensors=None
+        if observation.sensors is None
+        else tuple(_on_link(sensor, frames) for sensor in observation.sensors),
     )
 
 
@@ -214,7 +216,7 @@ def _with_capsules_of(a: Observation, b: Observation) -> Observation:
         if shapes is None or not split & set(named):
             return shapes
         by_name = _with_whole_capsules(named, wanted)
-        kept = (by_name[capsules.get(one.name, one.name)] if one.name in capsules else one for one in shapes)
+        kept = (by_name[capsules.get(shape.name, shape.name)] if shape.name in capsules else shape for shape in shapes)
         return tuple(one for one in kept if one.name not in split)
 
     links = (
@@ -251,7 +253,7 @@ def joined(parts: Sequence[ObservedShape]) -> ObservedShape:
     """The first of several shapes with the box of all; its colour is none that compares as equal if theirs differ."""
     color = parts[0].rgba if len({part.rgba for part in parts}) == 1 else (nan,) * 4
     boxes = ([getattr(part, box) for part in parts] for box in ("bounds", "oblique"))
-    upright, oblique = (join_bounds(one) if None not in one else None for one in boxes)
+    upright, oblique = (join_bounds(box) if None not in box else None for box in boxes)
     return replace(parts[0], rgba=color, bounds=upright, oblique=oblique)
 
 
@@ -296,7 +298,9 @@ def _with_common_views(a: Observation, b: Observation) -> tuple[Observation, Obs
         if side.sensors is None
         else replace(
             side,
-            sensors=tuple(replace(one, farthest=None) if one.name in endless else one for one in side.sensors),
+            sensors=tuple(
+                replace(sensor, farthest=None) if sensor.name in endless else sensor for sensor in side.sensors
+            ),
         )
         for side in (a, b)
     )

@@ -47,7 +47,7 @@ def with_effective_ranges(observation: Observation) -> Observation:
     if observation.actuators is None:
         return observation
     limits = {step.name: step.limit or Limit() for joint in observation.joints for step in (joint, *joint.steps)}
-    actuators = tuple(_effective(one, limits.get(one.joint, Limit())) for one in observation.actuators)
+    actuators = tuple(_effective(actuator, limits.get(actuator.joint, Limit())) for actuator in observation.actuators)
     return replace(observation, actuators=actuators)
 
 
@@ -152,7 +152,7 @@ def verify_against_source(
             against = f"{name} ({ours.engine(compared.quantity)})"
             subject = Subject(written.name, theirs.format, theirs.engine(compared.quantity), against)
             checks.append(judged(subject, compared, differences))
-    diagnostics.extend(one.after("convert") for one in differences)
+    diagnostics.extend(difference.after("convert") for difference in differences)
     return tuple(checks)
 
 
@@ -219,7 +219,7 @@ def _with_ends(link: ObservedLink) -> ObservedLink:
     """The link without planes and height fields, which are reported as not converted."""
     for kind in ("visual", "collision"):
         shapes: tuple[ObservedShape, ...] = getattr(link, f"{kind}s") or ()
-        kept = tuple(one for one in shapes if one.bounds is None or isfinite(one.bounds[0][0]))
+        kept = tuple(shape for shape in shapes if shape.bounds is None or isfinite(shape.bounds[0][0]))
         if len(kept) < len(shapes):
             known = {f"{kind}s": kept, f"{kind}_bounds": box_around(kept), f"has_{kind}s": bool(kept)}
             link = replace(link, **known)

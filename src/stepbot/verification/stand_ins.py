@@ -54,7 +54,7 @@ def _has_moment(link: ObservedLink, moment: float) -> bool:
 
 def with_points_of(a: Observation, b: Observation) -> Observation:
     """One side without the moments that its format needs where the other side has point masses."""
-    points = {one.name for one in b.links if one.mass and one.inertia == ZERO33}
+    points = {link.name for link in b.links if link.mass and link.inertia == ZERO33}
     if not points or format_named(a.format).expresses[Feature.MASSLESS].level is Level.EXACT:
         return a
     links = (
@@ -74,7 +74,11 @@ def with_surfaces_of(a: Observation, b: Observation) -> Observation:
 
 
 def _with_one_surface(link: ObservedLink, other: Surface | None) -> ObservedLink:
-    surfaces = {one.surface: one.surface.friction for one in link.collisions or () if one.surface is not None}
+    surfaces = {
+        collision.surface: collision.surface.friction
+        for collision in link.collisions or ()
+        if collision.surface is not None
+    }
     frictions = sorted({friction for friction in surfaces.values() if friction is not None})
     if other is None or len(surfaces) < 2 or not frictions:
         return link
@@ -82,7 +86,7 @@ def _with_one_surface(link: ObservedLink, other: Surface | None) -> ObservedLink
     if most == _OWN_FRICTION and len(frictions) > 1 and other.friction == frictions[-2]:
         most = frictions[-2]
     surface = next(one for one, friction in surfaces.items() if friction == most)
-    return replace(link, collisions=tuple(replace(one, surface=surface) for one in link.collisions or ()))
+    return replace(link, collisions=tuple(replace(collision, surface=surface) for collision in link.collisions or ()))
 
 
 def freed(joint: ObservedJoint) -> ObservedJoint:

@@ -232,14 +232,14 @@ def _pose(place: str, values: Sequence[float], statements: Statements) -> Array 
     else:
         stated = statements.get(f"{place}@degrees")
         degrees = stated is not None and stated.value in ("true", "1")
-        R = _fixed_axes(place, [radians(one) if degrees else one for one in values[3:]], statements)
+        R = _fixed_axes(place, [radians(value) if degrees else value for value in values[3:]], statements)
     return None if R is None else np.concatenate([values[:3], R.ravel()])
 
 
 def _euler(_place: str, values: Sequence[float], statements: Statements) -> Array | None:
     sequence = _setting(statements, "@eulerseq", "xyz")
     known = len(values) == len(sequence) == 3 and set(sequence.lower()) <= set("xyz")
-    return _turned([_angle(one, statements) for one in values], sequence) if known else None
+    return _turned([_angle(value, statements) for value in values], sequence) if known else None
 
 
 def _axisangle(_place: str, values: Sequence[float], statements: Statements) -> Array | None:

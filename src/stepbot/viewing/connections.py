@@ -118,7 +118,7 @@ def evidence_of_rows(
             "doubt": reviews.get(row.name) or row.evidence.doubt,
             "at": "" if row.origin is None else point_words(row.origin),
             "along": "" if row.axis is None else direction_words(row.axis),
-            "others": [rival_words(one) for one in row.evidence.rivals],
+            "others": [rival_words(rival) for rival in row.evidence.rivals],
             "stops": [picked(one, "position parts") for one in stops.get(row.name, ())],
         }
         for row in rows

@@ -50,13 +50,13 @@ def diagnostic_documents(
     """Diagnostics with places relative to the folders of their files, and their source lines as far as given."""
     return [
         picked(
-            one,
+            diagnostic,
             "code severity message file line help=remedies notes",
-            file=PurePath(one.span.file).name,
-            line=one.span.line,
-            source=(lines or {}).get((one.span.file, one.span.line), ""),
+            file=PurePath(diagnostic.span.file).name,
+            line=diagnostic.span.line,
+            source=(lines or {}).get((diagnostic.span.file, diagnostic.span.line), ""),
         )
-        for one in diagnostics
+        for diagnostic in diagnostics
     ]
 
 
@@ -115,7 +115,7 @@ def scene_document(
         "total": _mass(total),
         "meshes": [packed(asset.mesh) for asset in robot.meshes],
         "links": [_link(link, index) for link in robot.links],
-        "modules": [picked(one, "name file links") for one in robot.modules],
+        "modules": [picked(module, "name file links") for module in robot.modules],
         "connections": connection_documents(robot, evidence or {}),
         "motion": motion_document(robot),
         "joint_types": {
@@ -123,11 +123,11 @@ def scene_document(
             for kind in JointKind
         },
         "frames": [
-            {"name": one.name, "link": one.link, "X": pose_numbers(one.X_LF), "source": one.source}
-            for one in robot.frames
+            {"name": frame.name, "link": frame.link, "X": pose_numbers(frame.X_LF), "source": frame.source}
+            for frame in robot.frames
         ],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
-        "actuators": [picked(one, "name joint kind kp kv") for one in robot.actuators],
+        "actuators": [picked(actuator, "name joint kind kp kv") for actuator in robot.actuators],
         "components": [] if assembly is None else component_documents(assembly, robot),
         "proof": None if report is None else proof_document(report),
         "diagnostics": diagnostic_documents(diagnostics),
@@ -146,14 +146,16 @@ def _link(link: Link, index: dict[str, int]) -> Json:
         "mass": _mass(link.mass_properties),
         "visuals": [
             {
-                **_geometry(one.geometry, index),
-                "X": pose_numbers(one.X_LG),
-                "color": list(one.rgba),
-                "component": one.component,
+                **_geometry(visual.geometry, index),
+                "X": pose_numbers(visual.X_LG),
+                "color": list(visual.rgba),
+                "component": visual.component,
             }
-            for one in link.visuals
+            for visual in link.visuals
         ],
-        "collisions": [{**_geometry(one.geometry, index), "X": pose_numbers(one.X_LG)} for one in link.collisions],
+        "collisions": [
+            {**_geometry(collision.geometry, index), "X": pose_numbers(collision.X_LG)} for collision in link.collisions
+        ],
         "sources": [picked(one, "component mass density origin") for one in link.masses],
     }
 

@@ -165,12 +165,12 @@ def _slide(facing: Sequence[Facing]) -> Captured | None:
             continue
         wide = [one for one in facing if abs(float(one.normal @ along)) < _STRAIGHT]
         least = _ENGAGED if _are_around(guides, along) else _LONG if _is_kept(guides, wide, along) else None
-        hull = np.concatenate([one.patch.hull for one in guides])
-        widths = [float(np.ptp(hull @ one.normal)) for one in guides]
+        hull = np.concatenate([guide.patch.hull for guide in guides])
+        widths = [float(np.ptp(hull @ guide.normal)) for guide in guides]
         length = float(np.ptp(hull @ along))
         if least is not None and length >= least * min(widths) and (best is None or length > best[0]):
-            has_play = max(one.gap for one in guides) > GAP
-            longest = max(float(np.ptp(one.patch.hull @ along)) for one in guides)
+            has_play = max(guide.gap for guide in guides) > GAP
+            longest = max(float(np.ptp(guide.patch.hull @ along)) for guide in guides)
             is_profile = has_play and longest >= _PROFILE * max(widths)
             best = length, Captured(Axis(guides[0].patch.point, along), has_play, is_profile)
     return best[1] if best is not None else None
@@ -179,9 +179,9 @@ def _slide(facing: Sequence[Facing]) -> Captured | None:
 def _distinct(directions: Sequence[Array]) -> list[Array]:
     """Directions without those that are parallel to earlier ones."""
     kept: list[Array] = []
-    for one in directions:
-        if not any(are_parallel(one, known) for known in kept):
-            kept.append(one)
+    for direction in directions:
+        if not any(are_parallel(direction, known) for known in kept):
+            kept.append(direction)
     return kept
 
 
@@ -197,11 +197,11 @@ def _are_around(guides: Sequence[Facing], along: Array) -> bool:
     """Whether faces hold a part on all sides across a direction."""
     u = guides[0].normal
     v = cross(along, u)
-    angles = np.sort([np.arctan2(float(one.normal @ v), float(one.normal @ u)) for one in guides])
+    angles = np.sort([np.arctan2(float(guide.normal @ v), float(guide.normal @ u)) for guide in guides])
     gaps = np.diff(angles, append=angles[0] + 2.0 * np.pi)
-    return len(_distinct([one.normal for one in guides])) > 1 and bool(gaps.max() < np.pi + _SPAN)
+    return len(_distinct([guide.normal for guide in guides])) > 1 and bool(gaps.max() < np.pi + _SPAN)
 
 
 def _is_kept(guides: Sequence[Facing], wide: Sequence[Facing], along: Array) -> bool:
     """Whether a part is guided on two opposite sides with clearance, and kept in by wider gaps on the others."""
-    return _is_between(guides) and max(one.gap for one in guides) > GAP and _are_around(wide, along)
+    return _is_between(guides) and max(guide.gap for guide in guides) > GAP and _are_around(wide, along)

@@ -64,11 +64,11 @@ class Planes:
         columns = [scene.columns(part, FaceKind.PLANE) for part in scene.parts]
         nothing = np.zeros((0, 3))
         self.points, self.normals, self._low, self._high = (
-            np.concatenate([nothing, *(getattr(one, name) for one in columns)])
+            np.concatenate([nothing, *(getattr(column, name) for column in columns)])
             for name in ("points", "directions", "low", "high")
         )
-        self._faces = [face for one in columns for face in one.faces]
-        self.parts = np.repeat(np.array(scene.parts, dtype=np.int64), [len(one.faces) for one in columns])
+        self._faces = [face for column in columns for face in column.faces]
+        self.parts = np.repeat(np.array(scene.parts, dtype=np.int64), [len(column.faces) for column in columns])
         self._signed = signed(self.normals)
         self._heights = np.einsum("ij,ij->i", self.points, self._signed)
         self._up = np.einsum("ij,ij->i", self.normals, self._signed) > 0.0

@@ -95,7 +95,8 @@ class Survey:
         if not moved:
             return drawn
         components = tuple(
-            replace(one, X_WC=moved[one.index] @ one.X_WC) if one.index in moved else one for one in assembly.components
+            replace(component, X_WC=moved[component.index] @ component.X_WC) if component.index in moved else component
+            for component in assembly.components
         )
         return Survey(replace(assembly, components=components), sources, moved)
 

@@ -313,11 +313,11 @@ class _Linkages:
         for pair, relations in self._between().items():
             r = merged(relations, pair, ()) if on.issuperset(pair) and pair not in hinged else None
             if r is not None and r.freedom.kind == FreedomKind.PRISMATIC and r.freedom.direction is not None:
-                largest = max(relations, key=lambda one: (round(one.area, 9), -one.a, -one.b))
+                largest = max(relations, key=lambda relation: (round(relation.area, 9), -relation.a, -relation.b))
                 axis = Axis(r.patches[0].point if r.patches else r.fits[0].axis.point, r.freedom.direction)
                 slides.append(Hinge(axis, largest.a, largest.b, slides=True))
-        for one in self._on_rods:
-            h = Hinge(one.axis, one.part, one.holder, slides=True)
+        for rod in self._on_rods:
+            h = Hinge(rod.axis, rod.part, rod.holder, slides=True)
             a, b = self._ends(h)
             if a != b and on.issuperset((a, b)) and not any((a, b) == self._ends(k) for k in (*hinges, *slides)):
                 slides.append(h)

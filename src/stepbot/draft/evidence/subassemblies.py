@@ -150,9 +150,9 @@ class Structure:
         # Equal feet or wheels are a list as well.
         is_list |= len(islands) >= _EQUAL_PIECES and len({survey.equal.kinds(island) for island in islands}) == 1
         if is_import or is_list or not any(self._assembly.components[i].product for i in members):
-            held = sum(any(r.other(i) not in inside for i in one for _, r in survey.around(i)) for one in islands)
+            held = sum(any(r.other(i) not in inside for i in island for _, r in survey.around(i)) for island in islands)
         else:
-            held = sum(any(survey.holders(i) - inside for i in one) for one in islands)
+            held = sum(any(survey.holders(i) - inside for i in island) for island in islands)
         return len(islands) >= 2 and held >= 2
 
 

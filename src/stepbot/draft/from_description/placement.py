@@ -90,14 +90,14 @@ class _Placing:
     def best(self) -> Placement | None:
         candidates = [self._grown(self._described.root, Pose(), "its frame is that of the STEP")]
         for ways in (self._by_boxes, self._by_axes, self._by_vertices):
-            if self._is_whole(max(candidates, key=lambda one: one.rank)):
+            if self._is_whole(max(candidates, key=lambda candidate: candidate.rank)):
                 break
             tried = sorted(islice(ways(), _TRIED), key=lambda one: self._first_rank(one[0], one[1]), reverse=True)
             for one in tried[:_GROWN]:
                 candidates.append(self._grown(*one))
                 if self._is_whole(candidates[-1]):
                     break
-        best = max(candidates, key=lambda one: one.rank)
+        best = max(candidates, key=lambda candidate: candidate.rank)
         return best if self._is_credible(best) else None
 
     def _is_whole(self, placement: Placement) -> bool:

@@ -59,7 +59,7 @@ def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[s
     return [
         *_evidence(closure, names),
         *lines,
-        *(_alternative(name, ends, one, closure) for one in closure.alternatives),
+        *(_alternative(name, ends, alternative, closure) for alternative in closure.alternatives),
     ]
 
 

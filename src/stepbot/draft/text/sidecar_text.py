@@ -60,7 +60,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         lines += [f"    contact: {material}  {why}" for material, why in proposed.get((link.name, ""), ())]
         lines += (
             ["    collision: {merge: wheel}"]
-            if any(one.rolls and one.link == link.name for one in draft.contacts)
+            if any(contact.rolls and contact.link == link.name for contact in draft.contacts)
             else []
         )
     fused = list(zip(draft.fused, names.freed, strict=True))[:_OFFERED]
@@ -155,10 +155,12 @@ def _answers(draft: Draft) -> list[str]:
             "# What decides most: uncomment a line with your answer and run `stepbot init --force`, or run `init -i`.",
             *([] if draft.answers else ["# answers:"]),
         ]
-    for one in draft.questions:
-        others = ", ".join(option.value for option in one.options if option is not one.drafted)
-        lines += comment(one.text, 2)
-        lines.append(f"  # {scalar(one.name)}: {scalar(one.drafted.value)}  # as drafted; or {one_line(others)}")
+    for question in draft.questions:
+        others = ", ".join(option.value for option in question.options if option is not question.drafted)
+        lines += comment(question.text, 2)
+        lines.append(
+            f"  # {scalar(question.name)}: {scalar(question.drafted.value)}  # as drafted; or {one_line(others)}"
+        )
     return [*lines, ""] if lines else []
 
 
@@ -254,10 +256,12 @@ def _contacts(draft: Draft) -> dict[tuple[str, str], list[tuple[str, str]]]:
     """By link and part, a material, and a comment: its friction and the reason beside the first of several."""
     pairs: dict[tuple[str, str], list[tuple[str, str]]] = {}
     stated: set[str] = set()
-    for one in draft.contacts:
-        review = f"REVIEW: {one.why}; friction {number(MATERIALS[one.material].sliding)}"
-        pairs[one.link, one.part] = [(one.material, f"# {review if one.why not in stated else 'as above'}")]
-        stated.add(one.why)
+    for contact in draft.contacts:
+        review = f"REVIEW: {contact.why}; friction {number(MATERIALS[contact.material].sliding)}"
+        pairs[contact.link, contact.part] = [
+            (contact.material, f"# {review if contact.why not in stated else 'as above'}")
+        ]
+        stated.add(contact.why)
     return pairs
 
 

@@ -140,6 +140,6 @@ def unread_of_mjcf(root: Any, file: str, at: str) -> tuple[Unread, ...]:
         if number.get("name", "").endswith(f"{SCOPE}velocity"):  # a limit, as stepbot writes it
             number.tag = "velocity"
     for tendons in root.iterfind("tendon"):
-        if all(one.get("name", "").endswith(MOTOR_LINE) for one in tendons):
+        if all(tendon.get("name", "").endswith(MOTOR_LINE) for tendon in tendons):
             tendons.tag = "lines"
     return MJCF.unread(root, file, at)

@@ -61,7 +61,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
     request = Request(file, "mjcf", configurations=({},), simulate=0.0)
     led = {compiled.name("BODY", body) for body in np.flatnonzero(model.body_mocapid >= 0).tolist()}
     closures = close_by_newton(compiled, request)
-    kept = tuple(one for one in closures if not led & {one.link_a, one.link_b})
+    kept = tuple(closure for closure in closures if not led & {closure.link_a, closure.link_b})
     observation = replace(observe_model(compiled, request), closures=kept)
     poses = observation.poses[0]
     X_PC = {
@@ -135,7 +135,7 @@ def _roots(path: Path, main: str = "") -> list[_Root]:
         roots.append((root, name, at))
         known = {one for _, one, _ in roots}
         includes = (((folder / one.get("file", "")).as_posix(), MJCF.path_of(one, at)) for one in root.iter("include"))
-        pending += [one for one in includes if one[0] not in known]
+        pending += [include for include in includes if include[0] not in known]
     return roots
 
 

@@ -170,7 +170,7 @@ def _sensors_of_others(
         if sensor.kind in set(SensorKind):
             yield sensor
             readings = [reading for reading in readings if reading not in group]
-    yield from (_sensor(compiled, one.name or f"sensor_{one.index}", [one]) for one in readings)
+    yield from (_sensor(compiled, reading.name or f"sensor_{reading.index}", [reading]) for reading in readings)
 
 
 class _Reading(Struct, frozen=True):

@@ -81,9 +81,13 @@ def stated_defaults(compiled: Compiled, file: Path) -> tuple[str, ...]:
     with TemporaryDirectory(dir=run_folder()) as folder:
         saved = Path(folder) / "saved.xml"
         compiled.engine.mj_saveLastXML(str(saved), compiled.model)
-        kept = {_as_saved(one.place) for one in statements(saved, "mjcf")}
+        kept = {_as_saved(statement.place) for statement in statements(saved, "mjcf")}
     elements = {place.rpartition("@")[0] for place in kept}
-    places = (one.place for one in statements(file, "mjcf") if "@" in one.place and _as_saved(one.place) not in kept)
+    places = (
+        statement.place
+        for statement in statements(file, "mjcf")
+        if "@" in statement.place and _as_saved(statement.place) not in kept
+    )
     unsaved = ((place, _as_saved(place).rpartition("@")[0]) for place in places)
     return tuple(place for place, element in unsaved if element in elements or element.startswith(_ALWAYS_THERE))
 
@@ -140,7 +144,7 @@ def _equalities(compiled: Compiled) -> list[str]:
     for index in range(model.neq):
         kind = int(model.eq_objtype[index])
         ends = [int(one) for one in (model.eq_obj1id[index], model.eq_obj2id[index]) if one >= 0]
-        names = [compiled.engine.mj_id2name(model, kind, one) or str(one) for one in ends]
+        names = [compiled.engine.mj_id2name(model, kind, end) or str(end) for end in ends]
         name = compiled.engine.mj_id2name(model, compiled.engine.mjtObj.mjOBJ_EQUALITY, index)
         called = repr(name) if name else " ".join(map(repr, names))
         seen[called] += 1

@@ -145,8 +145,8 @@ def _off(closures: Sequence[ObservedClosure], request: Request) -> float:
     from . import ENGINE
 
     wide = ENGINE.several_loops if len(request.closures) > 1 and ENGINE.several_loops else ENGINE.tolerances["closures"]
-    gaps = [(one.residual or 0.0) / wide.absolute for one in closures]
-    angles = [(one.angle_error or 0.0) / (ENGINE.driven_angle or inf) for one in closures]
+    gaps = [(closure.residual or 0.0) / wide.absolute for closure in closures]
+    angles = [(closure.angle_error or 0.0) / (ENGINE.driven_angle or inf) for closure in closures]
     return max(inf if isnan(one) else one for one in (*gaps, *angles))
 
 
@@ -164,7 +164,11 @@ def _driven(
     engine.setPhysicsEngineParameter(numSolverIterations=sweeps, solverResidualThreshold=threshold)
     held = [_Held(body, closure, closure.name in request.held_by_a_point) for closure in closures]
     # What mimics a driven joint is driven, too: gears give way, and near a dead centre loops multiply that.
-    driven = [one for one in body.coordinates if one in joints and _leader(request, one) in request.driven]
+    driven = [
+        coordinate
+        for coordinate in body.coordinates
+        if coordinate in joints and _leader(request, coordinate) in request.driven
+    ]
     geared = {name: mimic for name, mimic in request.mimics.items() if name in joints and name not in driven}
     of_gears, others = gears(body, geared, strength(body)), body.coordinates.keys() - joints
     following, deviation = joints.difference(driven), 0.0
@@ -203,7 +207,8 @@ def _coupled(body: "Body", request: Request) -> list[tuple[list[LoopClosure], se
             closures, joints = [*group[0], *closures], joints | group[1]
         groups.append((closures, joints))
     return [
-        (closures, {one for one in body.coordinates if _leader(request, one) in joints}) for closures, joints in groups
+        (closures, {coordinate for coordinate in body.coordinates if _leader(request, coordinate) in joints})
+        for closures, joints in groups
     ]
 
 

@@ -159,11 +159,11 @@ def grown(stage: Stage, connections: Sequence[Connection]) -> tuple[list[Branch]
     Raises:
         EngineCannotRead: A joint to the world moves, or bodies are not connected.
     """
-    to_world = [one for one in connections if None in one.bodies and not one.closes]
+    to_world = [connection for connection in connections if None in connection.bodies and not connection.closes]
     moving = [one.name for one in to_world if one.kind != JointKind.FIXED]
     if moving:
         raise EngineCannotRead(f"joints to the world that move are not supported: {', '.join(moving)}")
-    inner = [one for one in connections if None not in one.bodies]
+    inner = [connection for connection in connections if None not in connection.bodies]
     open_ = [one for one in inner if not one.closes]
     below = {id(one.bodies[1]) for one in open_}
     held = [body for one in to_world for body in one.bodies if body is not None]

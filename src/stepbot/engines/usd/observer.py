@@ -65,8 +65,8 @@ def observe(request: Request) -> Observation:
     stage = Stage(request.file)
     all_connections = connections(stage)
     branches, closing, root, fixed = grown(stage, all_connections)
-    leaders = {str(one.prim.GetPath()): (one.name, 1.0) for one in all_connections}
-    leaders |= {str(one.connection.prim.GetPath()): (one.connection.name, one.sign) for one in branches}
+    leaders = {str(connection.prim.GetPath()): (connection.name, 1.0) for connection in all_connections}
+    leaders |= {str(branch.connection.prim.GetPath()): (branch.connection.name, branch.sign) for branch in branches}
     joints = tuple(observed_joint(stage, branch, leaders) for branch in branches)
     links = tuple(_link(stage, body) for body in stage.bodies.values())
     observation = Observation(
@@ -164,9 +164,9 @@ def _excluded_pairs(stage: Stage, connections: list[Connection], touching: set[s
     from pxr import UsdPhysics
 
     pairs: set[frozenset[str]] = set()
-    for one in connections:
-        ends = [body.name for body in one.bodies if body is not None]
-        if len(ends) == 2 and not UsdPhysics.Joint(one.prim).GetCollisionEnabledAttr().Get():
+    for connection in connections:
+        ends = [body.name for body in connection.bodies if body is not None]
+        if len(ends) == 2 and not UsdPhysics.Joint(connection.prim).GetCollisionEnabledAttr().Get():
             pairs.add(frozenset(ends))
     for body in stage.bodies.values():
         if body.prim.HasAPI(UsdPhysics.FilteredPairsAPI):

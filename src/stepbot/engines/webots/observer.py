@@ -175,7 +175,9 @@ class _Tree:
         child, kind = end.text("name"), _KINDS[node.type]
         devices = node.nodes("device")
         X_PC, q = end.pose(), parameters.number("position", 0.0)
-        name = next((one.text("name") for one in devices if one.type == "PositionSensor"), "").removesuffix(_SUFFIX)
+        name = next((device.text("name") for device in devices if device.type == "PositionSensor"), "").removesuffix(
+            _SUFFIX
+        )
         seen = ObservedJoint(name, kind, parent, child)
         if kind != JointKind.BALL:
             given = parameters.numbers("axis", (1.0, 0.0, 0.0) if kind == JointKind.REVOLUTE else (0.0, 0.0, 1.0))
@@ -207,7 +209,7 @@ class _Tree:
 
 def _limit(parameters: Node, devices: list[Node]) -> Limit:
     """The limits of a joint: its stops, or else those of its motor."""
-    motor = next((one for one in devices if one.type.endswith("Motor")), Node("none"))
+    motor = next((device for device in devices if device.type.endswith("Motor")), Node("none"))
     bounds = [(parameters, "minStop", "maxStop"), (motor, "minPosition", "maxPosition")]
     pairs = [(node.number(low, 0.0), node.number(high, 0.0)) for node, low, high in bounds]
     lower, upper = next((pair for pair in pairs if any(pair)), (-inf, inf))
@@ -239,7 +241,7 @@ _GROUPS = ("Pose", "Transform", "Group")
 
 def visuals_of(solid: Node, file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
     """The shapes of a solid that are seen, in its frame, and the missing mesh files."""
-    return _observed([one for child in solid.nodes("children") for one in _shapes(child, Pose())], file)
+    return _observed([shape for child in solid.nodes("children") for shape in _shapes(child, Pose())], file)
 
 
 def collisions_of(solid: Node, file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
@@ -296,4 +298,4 @@ def _bounds(geometry: Node, X: Pose, file: Path) -> tuple[Bounds | None, list[st
 def _url(mesh: Node) -> str:
     """The file of a mesh; of several the first."""
     urls = mesh.fields.get("url", [])
-    return next((str(one).strip('"') for one in (urls if isinstance(urls, list) else [urls])), "")
+    return next((str(url).strip('"') for url in (urls if isinstance(urls, list) else [urls])), "")

@@ -34,7 +34,7 @@ def each_link(rewrite: Callable[[Link], Link]) -> Callable[[Robot], Robot]:
 
 def has_capsule(link: Link) -> bool:
     """Whether a shape of a link is a capsule."""
-    return any(isinstance(one.geometry, Capsule) for one in link.shapes)
+    return any(isinstance(shape.geometry, Capsule) for shape in link.shapes)
 
 
 def split_capsules(link: Link) -> Link:
@@ -128,7 +128,9 @@ def excluded_pairs(robot: Robot) -> list[str]:
 
 def with_surfaces(link: Link, change: Callable[[Surface], Surface]) -> Link:
     """The link with other contact properties of its shapes."""
-    return replace(link, collisions=tuple(replace(one, surface=change(one.surface)) for one in link.collisions))
+    return replace(
+        link, collisions=tuple(replace(collision, surface=change(collision.surface)) for collision in link.collisions)
+    )
 
 
 def has_dead_bounce(link: Link) -> bool:

@@ -22,7 +22,7 @@ def mjlab(robot: Robot, file: str) -> str:
     """The entity, with the actuators of the MJCF."""
     settings = settings_of(robot)
     integrator = "euler" if settings.integrator is Integrator.EULER else "implicitfast"  # mjlab has no others
-    driven = tuple(re.escape(one.joint) for one in robot.actuators)
+    driven = tuple(re.escape(actuator.joint) for actuator in robot.actuators)
     actuators = f"(XmlActuatorCfg(target_names_expr={literal(driven)}),)" if driven else "()"
     has_ball = any(joint.kind is JointKind.BALL for joint in robot.joints)
     friction = ", ".join(f"{key}={literal(value)}" for key, value in FRICTION.items())

@@ -207,8 +207,10 @@ def _with_own_names(link: Link, robot: Robot) -> Link:
     taken = {sensor.name for sensor in robot.sensors if sensor.link == link.name}
     return replace(
         link,
-        visuals=tuple(replace(one, name=free_name(one.name, "_geom", taken)) for one in link.visuals),
-        collisions=tuple(replace(one, name=free_name(one.name, "_geom", taken)) for one in link.collisions),
+        visuals=tuple(replace(visual, name=free_name(visual.name, "_geom", taken)) for visual in link.visuals),
+        collisions=tuple(
+            replace(collision, name=free_name(collision.name, "_geom", taken)) for collision in link.collisions
+        ),
     )
 
 

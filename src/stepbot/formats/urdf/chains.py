@@ -74,15 +74,15 @@ def _with_few_before(unbranched: list[list[Joint]], body: Mapping[str, str]) -> 
 
 def is_planned(robot: Robot, chain: Chain) -> bool:
     """Whether there is something to plan for a chain: an actuator that is not a wheel's, or no actuator at all."""
-    driven = {one.joint: one.kind for one in robot.actuators}
+    driven = {actuator.joint: actuator.kind for actuator in robot.actuators}
     kinds = [(joint.kind, driven[joint.name]) for joint in chain.joints if joint.name in driven]
     wheel = (JointKind.CONTINUOUS, ActuatorKind.VELOCITY)
-    return not driven or any(one != wheel for one in kinds)
+    return not driven or any(kind != wheel for kind in kinds)
 
 
 def passive_joints(robot: Robot) -> list[str]:
     """Joints that move on their own, without an actuator, on a robot that has some: hardware may not measure them."""
-    driven = {one.joint for one in robot.actuators}
+    driven = {actuator.joint for actuator in robot.actuators}
     moving = (joint for joint in robot.joints if joint.kind is not JointKind.FIXED and joint.mimic is None)
     return [joint.name for joint in moving if driven and joint.name not in driven]
 
@@ -91,7 +91,8 @@ def _is_free(along: Sequence[Joint]) -> bool:
     """Whether a chain is a floating joint, as URDF expresses it."""
     slides = along[:3]
     unbounded = (
-        one.kind is JointKind.PRISMATIC and min(-one.limit.lower, one.limit.upper) >= UNLIMITED for one in slides
+        slide.kind is JointKind.PRISMATIC and min(-slide.limit.lower, slide.limit.upper) >= UNLIMITED
+        for slide in slides
     )
     return len(slides) == 3 and all(unbounded)
 
@@ -116,7 +117,7 @@ def module_of_joint(robot: Robot) -> dict[str, str]:
 
 def _module_names(robot: Robot) -> dict[str, str]:
     """The names of modules in files, by their paths; of several that would have one name, the path is the name."""
-    prefixes, names = {one.name: one.prefix for one in robot.modules}, dict[str, str]()
+    prefixes, names = {module.name: module.prefix for module in robot.modules}, dict[str, str]()
     for path in prefixes:
         around, _, name = path.rpartition("/")
         names[path] = f"{prefixes.get(around, '')}{name}"

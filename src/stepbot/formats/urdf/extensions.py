@@ -65,9 +65,9 @@ def ros2_control(top: Element, robot: Robot) -> None:
     for module, name in names.items():
         system = element(top, "ros2_control", name=name, type="system")
         element(element(system, "hardware"), "plugin", HARDWARE)
-        actuators = [one for one in robot.actuators if inside.get(one.joint, "") == module]
-        sensors = [one for one in robot.sensors if one.kind in _READINGS and not module]
-        passive = [one for one in passive_joints(robot) if _among(inside.get(one, ""), names) == module]
+        actuators = [actuator for actuator in robot.actuators if inside.get(actuator.joint, "") == module]
+        sensors = [sensor for sensor in robot.sensors if sensor.kind in _READINGS and not module]
+        passive = [joint for joint in passive_joints(robot) if _among(inside.get(joint, ""), names) == module]
         _system(system, robot, actuators, passive, sensors)
 
 

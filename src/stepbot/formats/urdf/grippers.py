@@ -52,9 +52,9 @@ def groups(robot: Robot) -> Groups:
     all_chains = chains(robot)
     grippers = _grippers(robot, all_chains)
     fingers = {joint.name for gripper in grippers for joint in gripper.joints}
-    arms = [one for one in all_chains if one.joints[0].name not in fingers and is_planned(robot, one)]
+    arms = [chain for chain in all_chains if chain.joints[0].name not in fingers and is_planned(robot, chain)]
     carriers = {gripper.arm for gripper in grippers}
-    split = [(one, None) if one.name in carriers else _without_jaw(robot, one) for one in arms]
+    split = [(arm, None) if arm.name in carriers else _without_jaw(robot, arm) for arm in arms]
     return _named(robot, [arm for arm, _ in split], [*grippers, *(jaw for _, jaw in split if jaw is not None)])
 
 

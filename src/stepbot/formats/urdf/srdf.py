@@ -48,7 +48,9 @@ def srdf(
         _groups(top, robot)
     disabled: dict[tuple[str, ...], str] = {}
     if self_collision is not None:
-        disabled = {(one.link_a, one.link_b): REASONS[one.kind] for one in self_collision.pairs if one.kind in REASONS}
+        disabled = {
+            (pair.link_a, pair.link_b): REASONS[pair.kind] for pair in self_collision.pairs if pair.kind in REASONS
+        }
     elif robot is not None:
         disabled = dict.fromkeys(sorted(tuple(sorted(pair)) for pair in neighbours(robot)), REASONS[PairClass.ADJACENT])
     known = {frozenset(pair) for pair in disabled}

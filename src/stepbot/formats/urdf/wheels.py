@@ -99,7 +99,9 @@ def _frame_at(robot: Robot, x: float, y: float, near: float) -> str:
 
 
 def _driven_wheels(robot: Robot) -> list[Joint]:
-    joints = (robot.joint_by_name[one.joint] for one in robot.actuators if one.kind is ActuatorKind.VELOCITY)
+    joints = (
+        robot.joint_by_name[actuator.joint] for actuator in robot.actuators if actuator.kind is ActuatorKind.VELOCITY
+    )
     return [joint for joint in dict.fromkeys(joints) if joint.kind is JointKind.CONTINUOUS]
 
 

@@ -94,7 +94,7 @@ def _interface(top: Prim, engines: tuple[str, ...], doc: str) -> bytes:
     for engine in engines:
         payload = asset_path(f"./{_runnable(engine)}")
         options = ('"Disabled" { }', f'"Enabled" (prepend payload = {payload}) {{ }}')
-        prim.properties += [f"variantSet {quoted(engine)} = {{", *(INDENT + one for one in options), "}"]
+        prim.properties += [f"variantSet {quoted(engine)} = {{", *(INDENT + option for option in options), "}"]
     return layer(prim, doc, ["customLayerData = {", *_metadata(f"/{top.name}", engines), "}"])
 
 
@@ -211,7 +211,7 @@ def _mujoco(top: Prim, robot: Robot, prims: list[Prim]) -> Prim:
             scope.add(_over(prim.name, [api]))
     if robot.actuators:
         name = Names(child.name for child in top.children).of("actuators")  # a link may have that name
-        over.add(Prim("Scope", name, children=[_actuator(one, robot, paths) for one in robot.actuators]))
+        over.add(Prim("Scope", name, children=[_actuator(actuator, robot, paths) for actuator in robot.actuators]))
     return over
 
 

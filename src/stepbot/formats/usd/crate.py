@@ -92,10 +92,12 @@ class _Crate:
     def _prim(self, prim: CratePrim) -> _Path:
         fields = {"specifier": _inlined(_SPECIFIER, 0), "typeName": self._token(prim.type)}
         if prim.attributes:
-            fields["properties"] = self._names([one.name for one in prim.attributes])
+            fields["properties"] = self._names([attribute.name for attribute in prim.attributes])
         if prim.children:
-            fields["primChildren"] = self._names([one.name for one in prim.children])
-        parts = [self._attribute(one) for one in prim.attributes] + [self._prim(one) for one in prim.children]
+            fields["primChildren"] = self._names([child.name for child in prim.children])
+        parts = [self._attribute(attribute) for attribute in prim.attributes] + [
+            self._prim(child) for child in prim.children
+        ]
         return _Path(prim.name, _PRIM, self._set(fields), parts)
 
     def _attribute(self, attribute: CrateAttribute) -> _Path:

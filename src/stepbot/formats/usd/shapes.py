@@ -48,11 +48,11 @@ class Library:
         Args:
             top: Path of the prim that their scope is in.
         """
-        return [_material(f"{top}/{MATERIALS}", *one) for one in self._colors.items()]
+        return [_material(f"{top}/{MATERIALS}", *item) for item in self._colors.items()]
 
     def contacts(self) -> list[Prim]:
         """The materials of collisions that are in use."""
-        return [_contact(*one) for one in self._surfaces.items()]
+        return [_contact(*item) for item in self._surfaces.items()]
 
     def visual(self, visual: Visual, names: Names) -> Prim:
         """A visual."""

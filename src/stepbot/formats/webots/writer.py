@@ -176,7 +176,7 @@ class _Solids:
             if frame.link == link.name:
                 children.append(Node("Solid").place(frame.X_LF).set("name", text(frame.name)))
         children += [self._joint(joint) for joint in robot.joints if joint.parent == link.name]
-        children += [node for one in robot.closures if one.link_a == link.name for node in _closure(one)]
+        children += [node for closure in robot.closures if closure.link_a == link.name for node in _closure(closure)]
         solid = Node("Solid")
         if children:
             solid.set("children", children)

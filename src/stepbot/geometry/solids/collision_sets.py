@@ -176,7 +176,7 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
     Raises:
         WorkerDied: A process ended without a result.
     """
-    weights = [sum(len(one.mesh.faces) for one in wanted.solids) for wanted in all_wanted]
+    weights = [sum(len(solid.mesh.faces) for solid in wanted.solids) for wanted in all_wanted]
     here = os.getpid()
 
     def made(wanted: Wanted) -> CollisionSet:
@@ -203,10 +203,10 @@ def _scored_set(wanted: Wanted) -> CollisionSet:
 
 def _hulls(meshes: Sequence[PlacedSolid], wanted: Wanted) -> Iterator[PlacedShape]:
     """The hull of each mesh that is not too flat for one."""
-    for one in meshes:
-        hull = convex_hull(one.mesh.vertices)
+    for mesh in meshes:
+        hull = convex_hull(mesh.mesh.vertices)
         if hull is not None:
-            yield PlacedShape(bounded_hull(hull, wanted.max_vertices, wanted.max_faces), one.X_AC)
+            yield PlacedShape(bounded_hull(hull, wanted.max_vertices, wanted.max_faces), mesh.X_AC)
 
 
 def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:

@@ -87,7 +87,7 @@ def union(solids: Sequence[PlacedSolid]) -> Union:
     key = content.digest()
     if key in _kept:
         return _kept[key]
-    made = Union(*joined_solid([(one.mesh, one.X_AC) for one in solids]))
+    made = Union(*joined_solid([(solid.mesh, solid.X_AC) for solid in solids]))
     if sum(one.face_count for one in (*_kept.values(), made)) <= _MOST_FACES:
         _kept[key] = made
     return made

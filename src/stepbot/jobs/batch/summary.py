@@ -112,7 +112,9 @@ def write_variant_sets(folder: Path, outcomes: Sequence[Outcome]) -> None:
 def _usd(output: Path) -> Path | None:
     """The OpenUSD file of a converted robot in its output folder; None if it has none."""
     files = json.loads(read_regular(output / REPORT))["files"]
-    return next((output / one["path"] for one in files if (one["format"], one["content"]) == ("usd", "robot")), None)
+    return next(
+        (output / file["path"] for file in files if (file["format"], file["content"]) == ("usd", "robot")), None
+    )
 
 
 def _entry(folder: Path, outcome: Outcome) -> Entry:
@@ -131,6 +133,6 @@ def _entry(folder: Path, outcome: Outcome) -> Entry:
         len(robot["links"]) if robot else None,
         len(robot["joints"]) if robot else None,
         robot["mass"] if robot else None,
-        tuple(one.message for one in outcome.diagnostics if one.severity == "error"),
-        sum(one.severity == "warning" for one in outcome.diagnostics),
+        tuple(diagnostic.message for diagnostic in outcome.diagnostics if diagnostic.severity == "error"),
+        sum(diagnostic.severity == "warning" for diagnostic in outcome.diagnostics),
     )

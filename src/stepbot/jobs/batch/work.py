@@ -232,6 +232,6 @@ def _put_all(folder: Path, files: Mapping[str, bytes]) -> Path:
 
 def _renamed(conversion: Conversion, known: Mapping[str, str]) -> tuple[Diagnostic, ...]:
     return tuple(
-        one._replace(span=one.span._replace(file=known.get(one.span.file, one.span.file)))
-        for one in conversion.diagnostics
+        diagnostic._replace(span=diagnostic.span._replace(file=known.get(diagnostic.span.file, diagnostic.span.file)))
+        for diagnostic in conversion.diagnostics
     )

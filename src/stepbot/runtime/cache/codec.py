@@ -242,7 +242,7 @@ def _mapping(key: Any, value: Any) -> tuple[Encoder, Decoder]:
 
 def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
     """A value or None, or one of several structs or named tuples, distinguished by their names."""
-    others = [one for one in arguments if one is not type(None)]
+    others = [argument for argument in arguments if argument is not type(None)]
     if len(others) == 1:
         encode_one, decode_one = _pair(others[0])
         return (
@@ -251,7 +251,7 @@ def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
         )
     if not all(map(_is_record, others)):
         raise TypeError(f"no codec for a union of {arguments}")
-    pairs = {one.__name__: _pair(one) for one in others}
+    pairs = {other.__name__: _pair(other) for other in others}
     return (
         lambda value, blobs: (
             None if value is None else [type(value).__name__, pairs[type(value).__name__][0](value, blobs)]

@@ -115,9 +115,9 @@ def _content(path: Path) -> Iterator[IO[bytes]]:
 
 def _member(archive: "zipfile.ZipFile") -> "zipfile.ZipInfo":
     files = [one for one in archive.infolist() if not one.is_dir()]
-    steps = [one for one in files if is_step_name(one.filename)]
+    steps = [file for file in files if is_step_name(file.filename)]
     if len(steps) != 1 and len(files) != 1:
-        shown = listed([one.filename for one in steps], _SHOWN)
+        shown = listed([step.filename for step in steps], _SHOWN)
         reason = f"it contains {len(steps)} STEP files: {shown}" if steps else "it contains no STEP file"
         raise ArchiveFault(reason, "unpack it and pass the STEP file of the assembly")
     (member,) = steps if len(steps) == 1 else files

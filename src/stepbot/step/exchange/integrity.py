@@ -146,7 +146,7 @@ def check_numbers(path: Path, place: str, diagnostics: Diagnostics) -> bool:
     8.0).
     """
     statements = _Statements(path, None)
-    faults = [_duplicate(one, statements) for one in duplicates(statements.data)]
+    faults = [_duplicate(duplicate, statements) for duplicate in duplicates(statements.data)]
     _report("SB221", "the file has syntax errors", faults, place, diagnostics)
     return not faults
 

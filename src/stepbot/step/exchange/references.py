@@ -120,7 +120,7 @@ def _definitions(entities: Entities) -> dict[int, tuple[int, ...]]:
         for document in (end for end in ends if entities.keyword(end, _DOCUMENT)):
             controlled.update((definition, document) for end in ends for definition in of_formation[end])
     for items in described.values():
-        for definition in [one for one in items if described.get(controlled.get(one, 0))]:
+        for definition in [item for item in items if described.get(controlled.get(item, 0))]:
             del items[definition]
             items.update(described[controlled[definition]])
     return {document: tuple(items) for document, items in described.items() if items}

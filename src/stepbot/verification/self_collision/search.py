@@ -85,7 +85,9 @@ class LinkPair:
         """:meth:`.Pair.deepest` of the two shapes that overlap most at a pose; None without an overlap."""
         (meet,) = self._squared(R_AB[None], p_AB[None]) <= self._reach * self._reach
         contacts = [self._pair(i, j).deepest(R_AB, p_AB) for i, j in self._order if meet[i, j]]
-        return max((one for one in contacts if one is not None), key=lambda one: one[0], default=None)
+        return max(
+            (contact for contact in contacts if contact is not None), key=lambda contact: contact[0], default=None
+        )
 
     def _squared(self, R_AB: Array, p_AB: Array) -> Array:
         """Squared distances (n, a, b) [m^2] of the centres of all shapes, at each of n poses."""

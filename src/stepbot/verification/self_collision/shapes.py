@@ -59,7 +59,7 @@ def only_collisions(robot: Robot) -> Robot:
         tuple(replace(joint, dynamics=JointDynamics()) for joint in robot.joints),
         robot.closures,
         # which joints of a loop are driven, whatever their gains
-        actuators=tuple(Actuator(one.name, one.joint, one.kind) for one in robot.actuators),
+        actuators=tuple(Actuator(actuator.name, actuator.joint, actuator.kind) for actuator in robot.actuators),
         meshes=tuple(mesh for mesh in robot.meshes if mesh.name in touched),
     )
 
@@ -87,7 +87,7 @@ class Shape(Struct, frozen=True, eq=False):
 def shapes_of(robot: Robot) -> dict[str, tuple[Shape, ...]]:
     """The collision shapes of each link."""
     convex = {mesh.name for mesh in robot.meshes if is_convex(mesh.mesh, _DENT)}
-    return {link.name: tuple(_shape(robot, one, convex) for one in link.collisions) for link in robot.links}
+    return {link.name: tuple(_shape(robot, collision, convex) for collision in link.collisions) for link in robot.links}
 
 
 def _shape(robot: Robot, collision: Collision, convex: Set[str]) -> Shape:

@@ -59,7 +59,7 @@ class Entry(Struct, frozen=True):
 
 def index_page(entries: Sequence[Entry]) -> bytes:
     """The page."""
-    failed = sum(one.status == "failed" for one in entries)
+    failed = sum(entry.status == "failed" for entry in entries)
     words = f"{counted(len(entries), 'robot')}{f', {failed} failed' if failed else ''}"
     headings = ("robot", "result", "checks", "mass", "links", "joints", "warnings", "errors")
     body = element("div", element("section", element("h2", words), table(headings, map(_row, entries))), id="report")
@@ -156,7 +156,7 @@ def report_page(robot: Robot, report: Report, diagnostics: Sequence[Diagnostic],
     scene = scene_document(
         shown.robot, evidence=evidence_of_rows(report.joint_table), report=report, diagnostics=diagnostics
     )
-    names: Mapping[str, str] = {one.span.file: PurePath(one.span.file).name for one in diagnostics}
+    names: Mapping[str, str] = {diagnostic.span.file: PurePath(diagnostic.span.file).name for diagnostic in diagnostics}
     sections = element(
         "div",
         _summary(robot, report, diagnostics),
@@ -183,7 +183,7 @@ def _summary(robot: Robot, report: Report, diagnostics: Sequence[Diagnostic]) ->
     """The numbers that a reviewer wants first."""
     statuses = [check.status for check in report.checks]
     failed, passed = statuses.count(Status.FAILED), statuses.count(Status.PASSED)
-    warnings = sum(one.severity == "warning" for one in diagnostics)
+    warnings = sum(diagnostic.severity == "warning" for diagnostic in diagnostics)
     weak = sum(bool(row.evidence.doubt) for row in report.joint_table)
     verdict = ("failed", "bad") if failed else ("passed", "good") if passed else ("not verified", "warn")
     checks = f"{failed} of {len(statuses)} checks" if failed else f"{passed} checks" if passed else ""

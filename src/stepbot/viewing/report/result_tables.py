@@ -149,7 +149,7 @@ def _check_row(check: Check) -> Markup:
 
 def findings_section(diagnostics: Iterable[Diagnostic], lines: Places, short_name: Mapping[str, str]) -> Markup:
     """Diagnostics, each with its source line; ``short_name`` are the file names to display, without folders."""
-    ranked = sorted(diagnostics, key=lambda one: _SEVERITIES.index(one.severity))
+    ranked = sorted(diagnostics, key=lambda diagnostic: _SEVERITIES.index(diagnostic.severity))
     shown = [_finding(one, lines.get((one.span.file, one.span.line)), short_name) for one in ranked]
     nothing = element("p.good", "No errors, warnings or notes.")
     return section("Findings", shown or nothing, name="finding-list")

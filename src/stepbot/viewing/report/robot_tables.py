@@ -224,7 +224,7 @@ def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
 
 def motors_section(robot: Robot) -> Markup | None:
     """Each figure that a motor of the catalogue gives, with its source, and the doubts."""
-    driven = [(one, one.motor) for one in robot.actuators if one.motor is not None]
+    driven = [(actuator, actuator.motor) for actuator in robot.actuators if actuator.motor is not None]
     rows = [
         table_row(
             actuator.name,
@@ -305,15 +305,15 @@ def collisions_section(shapes: Iterable[LinkCollision]) -> Markup | None:
     """The collision shapes of every link, and how well they match its solids."""
     rows = [
         table_row(
-            one.link,
-            one.rule,
-            shape_words(one.shapes),
-            element("td.number", one.vertices),
-            cell(one.iou, "{:.3f}".format),
-            cell(one.overshoot, lambda overshoot: f"{1e3 * overshoot:.2f} mm"),
-            data_link=one.link,
+            shape.link,
+            shape.rule,
+            shape_words(shape.shapes),
+            element("td.number", shape.vertices),
+            cell(shape.iou, "{:.3f}".format),
+            cell(shape.overshoot, lambda overshoot: f"{1e3 * overshoot:.2f} mm"),
+            data_link=shape.link,
         )
-        for one in shapes
+        for shape in shapes
     ]
     if not rows:
         return None
