@@ -22,12 +22,15 @@ MOST_NOTES = 6
 """Number of notes of one diagnostic that the default output shows."""
 MOST_SUBJECTS = 12
 """Number of further subjects of one finding that the default output names."""
+MOST_LIKEWISE = 4
+"""Number of further messages with other numbers that the default output shows."""
 
 _MOST = {"error": MOST_ERRORS, "warning": MOST_WARNINGS}
 _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
 _SUBJECT = re.compile(r"'[^']+'")
 """The first name in quotes: the subject of a message."""
+_NUMBER = re.compile(r"(?<![\w#])[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 
 def full(
@@ -71,19 +74,26 @@ def screen(
 
 
 def _by_cause(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """One diagnostic for all whose messages differ only in their subject: the first, which names the others."""
+    """One diagnostic for all whose messages differ in their subject alone, or are warnings that differ in numbers, too.
+
+    It is the first, which names the others.
+    """
     causes: dict[tuple[str, ...], list[Diagnostic]] = {}
     for diagnostic in diagnostics:
-        name = _SUBJECT.search(diagnostic.message)
-        cause = diagnostic.message.replace(name[0], "''") if name else str(diagnostic)
+        cause = _without_subject(diagnostic)
+        cause = _NUMBER.sub("0", cause) if diagnostic.severity == "warning" else cause
         causes.setdefault((diagnostic.code, diagnostic.severity, diagnostic.span.file, cause), []).append(diagnostic)
     return [_merged(first, others) if others else first for first, *others in causes.values()]
 
 
+def _without_subject(one: Diagnostic) -> str:
+    name = _SUBJECT.search(one.message)
+    return one.message.replace(name[0], "''") if name else str(one)
+
+
 def _merged(first: Diagnostic, others: Sequence[Diagnostic]) -> Diagnostic:
-    """A diagnostic that names the subjects of the others, and the remedies of those that differ."""
+    """A diagnostic that names the others, or has their messages where these differ, and the remedies that differ."""
     shown = {f"{_subject(other)}{_line(other)}": other for other in others[:MOST_SUBJECTS]}
-    more = f" and {len(others) - len(shown)} more" if len(others) > len(shown) else ""
     name = _subject(first)
     usual = [text.replace(name, "''") for text in first.help]
     own = [
@@ -91,8 +101,15 @@ def _merged(first: Diagnostic, others: Sequence[Diagnostic]) -> Diagnostic:
         for place, one in shown.items()
         if one.help and one.help[0].replace(_subject(one), "''") not in usual
     ]
-    same = f"the same for {', '.join(shown)}{more}"
-    return first._replace(notes=(same, *first.notes), help=(*first.help, *own))
+    notes = [f"the same for {', '.join(shown)}{_beyond(others, MOST_SUBJECTS)}"]
+    if any(_without_subject(other) != _without_subject(first) for other in others):
+        notes = [f"likewise {other.message}{_line(other)}" for other in others[:MOST_LIKEWISE]]
+        notes[-1] += _beyond(others, MOST_LIKEWISE)
+    return first._replace(notes=(*notes, *first.notes), help=(*first.help, *own))
+
+
+def _beyond(others: Sequence[Diagnostic], most: int) -> str:
+    return f" and {len(others) - most} more" if len(others) > most else ""
 
 
 def _subject(one: Diagnostic) -> str:

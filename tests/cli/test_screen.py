@@ -18,6 +18,12 @@ def finding(severity: str, code: str, number: int) -> Diagnostic:
     return Diagnostic(code, kind, f"subject {number}: wrong", Span("arm.yaml"), notes=("why",))  # type: ignore[arg-type]
 
 
+def of_its_own(one: Diagnostic) -> Diagnostic:
+    """A finding with other words than those on other lines."""
+    number = int(one.message.removeprefix("subject ")[0])
+    return one._replace(message=f"subject {'abcdefghij'[number]}: wrong")
+
+
 def test_notes_are_counted() -> None:
     """Notes are one number in the default output; -v prints all."""
     text = diagnostic_text.screen([finding("note", "SB762:initial-pose", 1), finding("warning", "SB763:frame", 2)])
@@ -47,12 +53,30 @@ def test_one_cause_is_one_finding() -> None:
     assert diagnostic_text.screen([*same, elsewhere]).count("warning[SB463]") == 2
 
 
+def test_warnings_that_differ_in_numbers_are_one_finding() -> None:
+    """The others are one line each, with their numbers; errors stay apart, and -v has all in full."""
+    names = ("base", "arm", "hand", "jaw", "tip", "tool")
+    places = [Span("a.yaml", 10 * n) for n in range(1, 7)]
+    found = [
+        Diagnostic("SB512", "warning", f"link '{name}': overlap: {n}.5 g of 1{n} g", at, ("cut",), (f"pair {n}",))
+        for n, (name, at) in enumerate(zip(names, places, strict=True), 1)
+    ]
+    text = diagnostic_text.screen(found)
+    assert text.count("warning[SB512]") == 1
+    assert "= note: likewise link 'arm': overlap: 2.5 g of 12 g (line 20)\n" in text
+    assert "= note: likewise link 'tip': overlap: 5.5 g of 15 g (line 50) and 1 more\n" in text
+    assert "pair 1" in text
+    assert "pair 2" not in text
+    assert text.count("= help: cut") == 1
+    assert text.endswith("6 warnings (more: stepbot explain SB512; -v shows all)")
+    assert diagnostic_text.screen([one._replace(severity="error") for one in found]).count("error[SB512]") == 6
+
+
 def test_repeated_warnings_are_counted() -> None:
     """Some warnings of a code are printed in full and the others counted; of all errors the message is printed."""
-    warnings = [finding("warning", "SB305", number) for number in range(5)]
+    warnings = [of_its_own(finding("warning", "SB305", number)) for number in range(5)]
     errors = [finding("error", "SB130:link", number) for number in range(9)]
     text = diagnostic_text.screen([*warnings, *errors])
-    assert [f"subject {n}: wrong" in text for n in range(5)].count(True) == 5
     assert text.count("warning[SB305]: subject") == 3
     assert text.count("error[SB130:link]: subject") == 9
     assert text.count("= note: why") == 3 + 5
@@ -75,7 +99,7 @@ def test_long_lists_of_notes_are_cut() -> None:
 
 def test_quiet_folds_as_the_default_does(capsys: pytest.CaptureFixture[str]) -> None:
     """With -q there is never more than without it: notes and counts are left out, and warnings stay folded."""
-    found = [*(finding("warning", "SB504", number) for number in range(9)), finding("note", "SB505", 1)]
+    found = [*(of_its_own(finding("warning", "SB504", number)) for number in range(9)), finding("note", "SB505", 1)]
     show_diagnostics(found)
     usual = capsys.readouterr().err.splitlines()
     show_diagnostics(found, Display(quiet=True))
