@@ -155,12 +155,12 @@ def _document(fixed: "FixedSidecar") -> dict[str, Any]:
     return {"file": fixed.path.as_posix(), "paths": dict(fixed.paths), "diff": _difference(fixed)}
 
 
-def _of_variants(one: Diagnostic, variants: list[str]) -> Diagnostic:
+def _of_variants(diagnostic: Diagnostic, variants: list[str]) -> Diagnostic:
     """A diagnostic of some variants of a sidecar, with their names; as it is if the sidecar itself has it."""
     if "" in variants:
-        return one
+        return diagnostic
     names = listed(variants, _MOST_LISTED)
-    return one._replace(notes=(*one.notes, f"variant{'s' * (len(variants) > 1)} {names}"))
+    return diagnostic._replace(notes=(*diagnostic.notes, f"variant{'s' * (len(variants) > 1)} {names}"))
 
 
 def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, *, open_step: bool) -> None:

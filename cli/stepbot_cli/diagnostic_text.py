@@ -86,9 +86,9 @@ def _by_cause(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
     return [_merged(first, others) if others else first for first, *others in causes.values()]
 
 
-def _without_subject(one: Diagnostic) -> str:
-    name = _SUBJECT.search(one.message)
-    return one.message.replace(name[0], "''") if name else str(one)
+def _without_subject(diagnostic: Diagnostic) -> str:
+    name = _SUBJECT.search(diagnostic.message)
+    return diagnostic.message.replace(name[0], "''") if name else str(diagnostic)
 
 
 def _merged(first: Diagnostic, others: Sequence[Diagnostic]) -> Diagnostic:
@@ -112,14 +112,14 @@ def _beyond(others: Sequence[Diagnostic], most: int) -> str:
     return f" and {len(others) - most} more" if len(others) > most else ""
 
 
-def _subject(one: Diagnostic) -> str:
+def _subject(diagnostic: Diagnostic) -> str:
     """The first name in quotes; the place if there is none."""
-    name = _SUBJECT.search(one.message)
-    return name[0] if name else str(one.span)
+    name = _SUBJECT.search(diagnostic.message)
+    return name[0] if name else str(diagnostic.span)
 
 
-def _line(one: Diagnostic) -> str:
-    return f" (line {one.span.line})" if one.span.line else ""
+def _line(diagnostic: Diagnostic) -> str:
+    return f" (line {diagnostic.span.line})" if diagnostic.span.line else ""
 
 
 def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:

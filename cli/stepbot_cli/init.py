@@ -113,22 +113,22 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     }
 
 
-def _fused_document(one: "Alternative", name: str, link: str, text: str) -> dict[str, Any]:
+def _fused_document(alternative: "Alternative", name: str, link: str, text: str) -> dict[str, Any]:
     """A part that looks movable and was fused, and the line of the sidecar's ``text`` that frees it."""
     return {
-        "part": one.moving,
-        "with": one.a if one.moving == one.b else one.b,
+        "part": alternative.moving,
+        "with": alternative.a if alternative.moving == alternative.b else alternative.b,
         "link": link,
         "freed": name,
-        **picked(one, "held_by=held type point direction"),
-        **_confidence(one),
+        **picked(alternative, "held_by=held type point direction"),
+        **_confidence(alternative),
         "line": next((n for n, line in enumerate(text.splitlines(), 1) if line.strip().startswith(f"# {name}:")), 0),
     }
 
 
-def _question_document(one: "Question") -> dict[str, Any]:
-    options = [picked(option, "value text") for option in one.options]
-    return picked(one, "name text decides options drafted", options=options, drafted=one.drafted.value)
+def _question_document(question: "Question") -> dict[str, Any]:
+    options = [picked(option, "value text") for option in question.options]
+    return picked(question, "name text decides options drafted", options=options, drafted=question.drafted.value)
 
 
 def _confidence(one: Any) -> dict[str, Any]:

@@ -119,39 +119,43 @@ def output_format_option(command: Callable[..., int]) -> Callable[..., int]:
     )(with_format)
 
 
-def _command(one: Diagnostic) -> str:
-    place = {"file": _path(one), "title": f"{one.code} {CODES[one.code].title}"}
-    if one.span.line:
-        place["line"] = str(one.span.line)
-        if one.span.column:
-            place["col"] = str(one.span.column)
-        if one.span.end_column:
-            place["endColumn"] = str(one.span.end_column)
+def _command(diagnostic: Diagnostic) -> str:
+    place = {"file": _path(diagnostic), "title": f"{diagnostic.code} {CODES[diagnostic.code].title}"}
+    if diagnostic.span.line:
+        place["line"] = str(diagnostic.span.line)
+        if diagnostic.span.column:
+            place["col"] = str(diagnostic.span.column)
+        if diagnostic.span.end_column:
+            place["endColumn"] = str(diagnostic.span.end_column)
     properties = ",".join(f"{name}={value.translate(_IN_PROPERTY)}" for name, value in place.items())
-    return f"::{_GITHUB[one.severity]} {properties}::{_text(one).translate(_IN_MESSAGE)}"
+    return f"::{_GITHUB[diagnostic.severity]} {properties}::{_text(diagnostic).translate(_IN_MESSAGE)}"
 
 
-def _text(one: Diagnostic) -> str:
+def _text(diagnostic: Diagnostic) -> str:
     """The message with its notes and remedies, which these programs have no place for."""
-    lines = [one.message, *(f"note: {note}" for note in one.notes), *(f"help: {help}" for help in one.remedies)]
+    lines = [
+        diagnostic.message,
+        *(f"note: {note}" for note in diagnostic.notes),
+        *(f"help: {help}" for help in diagnostic.remedies),
+    ]
     return "\n".join(lines)
 
 
-def _path(one: Diagnostic) -> str:
+def _path(diagnostic: Diagnostic) -> str:
     """The file relative to the current folder, where it is in it: these programs know the repository alone."""
-    path, here = Path(one.span.file), Path.cwd()
+    path, here = Path(diagnostic.span.file), Path.cwd()
     return path.relative_to(here).as_posix() if path.is_absolute() and path.is_relative_to(here) else path.as_posix()
 
 
-def _location(one: Diagnostic) -> dict[str, Any]:
+def _location(diagnostic: Diagnostic) -> dict[str, Any]:
     region: dict[str, int] = {}
-    if one.span.line:
-        region = {"startLine": one.span.line}
-        if one.span.column:
-            region["startColumn"] = one.span.column
-        if one.span.column and one.span.end_column:
-            region["endColumn"] = one.span.end_column
-    where = Path(_path(one))
+    if diagnostic.span.line:
+        region = {"startLine": diagnostic.span.line}
+        if diagnostic.span.column:
+            region["startColumn"] = diagnostic.span.column
+        if diagnostic.span.column and diagnostic.span.end_column:
+            region["endColumn"] = diagnostic.span.end_column
+    where = Path(_path(diagnostic))
     artifact = {"uri": where.as_uri() if where.is_absolute() else quote(where.as_posix())}
     return {"artifactLocation": artifact, **({"region": region} if region else {})}
 

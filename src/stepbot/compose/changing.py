@@ -275,7 +275,7 @@ class _Changing:
         given, section = self._of("links")[link.name], self._sidecar.document.links[link.name]
         collisions: Sequence[Collision] = link.collisions
         if "collision" in given:
-            collisions = [replace(one, geometry=_named(one.geometry, new)) for one in made]
+            collisions = [replace(collision, geometry=_named(collision.geometry, new)) for collision in made]
         elif section.contact is not None:
             collisions = [replace(collision, surface=surface_of(section.contact)) for collision in collisions]
         return replace(

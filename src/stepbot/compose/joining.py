@@ -339,7 +339,7 @@ def _with_meshes(whole: Robot, robots: Iterable[Robot]) -> Robot:
         new |= {link.name: renamed for link in robot.links if renamed}
 
     def shapes(link: str, ones: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
-        return tuple(replace(one, geometry=new[link].get(one.geometry, one.geometry)) for one in ones)
+        return tuple(replace(shape, geometry=new[link].get(shape.geometry, shape.geometry)) for shape in ones)
 
     links = tuple(
         replace(one, visuals=shapes(one.name, one.visuals), collisions=shapes(one.name, one.collisions))

@@ -74,31 +74,33 @@ def _without_alternatives(seen: Observation, findings: list[Finding]) -> list[Ob
     return kept
 
 
-def _gain(one: ObservedActuator) -> float | None:
+def _gain(actuator: ObservedActuator) -> float | None:
     """The gain without which an actuator exerts no force, 1 for motors; None if the file gives none."""
-    return {ActuatorKind.POSITION: one.kp, ActuatorKind.VELOCITY: one.kv}.get(ActuatorKind(one.kind), 1.0)
+    return {ActuatorKind.POSITION: actuator.kp, ActuatorKind.VELOCITY: actuator.kv}.get(
+        ActuatorKind(actuator.kind), 1.0
+    )
 
 
-def _powerless(one: ObservedActuator) -> str:
+def _powerless(actuator: ObservedActuator) -> str:
     """What makes an actuator exert no force; empty if nothing does."""
-    if one.gear == 0.0:
+    if actuator.gear == 0.0:
         return "gear"
-    return "gain" if one.kind in set(ActuatorKind) and _gain(one) == 0.0 else ""
+    return "gain" if actuator.kind in set(ActuatorKind) and _gain(actuator) == 0.0 else ""
 
 
-def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, findings: list[Finding]) -> Limit:
+def _own_limit(actuator: ObservedActuator, name: str, gear: float, joint: Limit, findings: list[Finding]) -> Limit:
     """What the actuator's ranges limit beyond its joint, at the joint."""
-    motor = one.kind == ActuatorKind.MOTOR
-    low, high = sorted(bound * (gear if motor else 1.0 / gear) for bound in one.control or (-inf, inf))
-    force = sorted(bound * gear for bound in one.force or (-inf, inf))
+    motor = actuator.kind == ActuatorKind.MOTOR
+    low, high = sorted(bound * (gear if motor else 1.0 / gear) for bound in actuator.control or (-inf, inf))
+    force = sorted(bound * gear for bound in actuator.force or (-inf, inf))
     effort = _symmetric(force[0], force[1], f"actuator '{name}': force", findings)
     limit = Limit()
-    if one.kind == ActuatorKind.POSITION:
+    if actuator.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
-        if one.control is not None and (-inf < low < joint.lower or inf > high > joint.upper):
-            text = f"actuator '{name}': inputs beyond the limits of joint '{one.joint}' are not converted"
+        if actuator.control is not None and (-inf < low < joint.lower or inf > high > joint.upper):
+            text = f"actuator '{name}': inputs beyond the limits of joint '{actuator.joint}' are not converted"
             findings.append(Finding(DEVICE, f"{text}: {max(low, joint.lower):g} to {min(high, joint.upper):g} taken"))
-    elif one.kind == ActuatorKind.VELOCITY:
+    elif actuator.kind == ActuatorKind.VELOCITY:
         limit = Limit(velocity=_symmetric(low, high, f"actuator '{name}': speed", findings), effort=effort)
     elif motor:
         limit = Limit(effort=min(_symmetric(low, high, f"actuator '{name}': control", findings), effort))
@@ -154,6 +156,8 @@ def sensors_of(
     return tuple(sensors)
 
 
-def _view(one: ObservedSensor) -> View:
-    farthest = one.farthest if one.farthest is not None and isfinite(one.farthest) and one.farthest > 0.0 else inf
-    return View(one.fov or 0.0, one.columns or 0, one.rows or 0, one.nearest or 0.0, farthest)
+def _view(sensor: ObservedSensor) -> View:
+    farthest = (
+        sensor.farthest if sensor.farthest is not None and isfinite(sensor.farthest) and sensor.farthest > 0.0 else inf
+    )
+    return View(sensor.fov or 0.0, sensor.columns or 0, sensor.rows or 0, sensor.nearest or 0.0, farthest)

@@ -31,7 +31,7 @@ class Poses(Struct, frozen=True, eq=False):
     @staticmethod
     def joined(several: "Sequence[Poses]") -> "Poses":
         """The poses of several, one after the other."""
-        return Poses(np.concatenate([one.R for one in several]), np.concatenate([one.p for one in several]))
+        return Poses(np.concatenate([poses.R for poses in several]), np.concatenate([poses.p for poses in several]))
 
     def __len__(self) -> int:
         return len(self.p)

@@ -170,24 +170,24 @@ def home_control(model: Model, keyframe: int | None, q: Array, changed: Mapping[
     return control
 
 
-def _range(model: Model, one: Actuator, home: float, *, endless: bool) -> tuple[float, float]:
+def _range(model: Model, actuator: Actuator, home: float, *, endless: bool) -> tuple[float, float]:
     """Lowest and highest control of an actuator."""
-    if model.actuator_ctrllimited[one.index]:
-        low, high = model.actuator_ctrlrange[one.index]
+    if model.actuator_ctrllimited[actuator.index]:
+        low, high = model.actuator_ctrlrange[actuator.index]
         return float(low), float(high)
     if endless:
         return -np.inf, np.inf
     half = 0.0
-    kind = joint_kind(model, one.joint) if one.joint is not None else ""
-    if one.drives == "position" and kind == "hinge":
-        half = pi * abs(one.gear)  # one turn
-    elif one.drives == "velocity" and one.joint is not None:
-        home, half = 0.0, abs(one.gear) * (velocity_limit(model, one.joint) or 0.0)
-    elif one.drives == "effort" and model.actuator_forcelimited[one.index]:
-        home, half = 0.0, float(np.abs(model.actuator_forcerange[one.index]).max())
+    kind = joint_kind(model, actuator.joint) if actuator.joint is not None else ""
+    if actuator.drives == "position" and kind == "hinge":
+        half = pi * abs(actuator.gear)  # one turn
+    elif actuator.drives == "velocity" and actuator.joint is not None:
+        home, half = 0.0, abs(actuator.gear) * (velocity_limit(model, actuator.joint) or 0.0)
+    elif actuator.drives == "effort" and model.actuator_forcelimited[actuator.index]:
+        home, half = 0.0, float(np.abs(model.actuator_forcerange[actuator.index]).max())
     if not half:
         raise ValueError(
-            f"actuator '{one.name}' has no control range; add ctrlrange to it in the MJCF, or limits to the joint"
+            f"actuator '{actuator.name}' has no control range; add ctrlrange to it in the MJCF, or limits to the joint"
         )
     return home - half, home + half
 
@@ -201,11 +201,11 @@ def velocity_limit(model: Model, joint: int) -> float | None:
     return None
 
 
-def _speed(model: Model, one: Actuator, most: float | None) -> float:
-    assert one.joint is not None
-    speed = most if most is not None else velocity_limit(model, one.joint)
+def _speed(model: Model, actuator: Actuator, most: float | None) -> float:
+    assert actuator.joint is not None
+    speed = most if most is not None else velocity_limit(model, actuator.joint)
     if speed is None:
-        joint = name(model, "JOINT", one.joint)
+        joint = name(model, "JOINT", actuator.joint)
         raise ValueError(
             f"joint '{joint}' has no velocity limit, <numeric name=\"{joint}{SCOPE}velocity\" data=...> in the MJCF; "
             "pass max_speed=... [rad/s or m/s], or action='target' to set positions"

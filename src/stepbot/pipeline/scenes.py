@@ -68,18 +68,18 @@ def robot_of_draft(assembly: Assembly, draft: Draft) -> Robot:
     return replace(robot, closures=closures)
 
 
-def _evidence(one: DraftConnection) -> Json:
+def _evidence(connection: DraftConnection) -> Json:
     """The evidence of a drafted joint or closure, and why to review it."""
-    weak = one.doubt or ("weak evidence, to be reviewed" if one.is_reviewed else "")
+    weak = connection.doubt or ("weak evidence, to be reviewed" if connection.is_reviewed else "")
     return {
-        "evidence": "; ".join((f"a guess, score {one.confidence.score:.2f}", *one.confidence.evidence)),
-        "doubt": one.review or weak,
-        "at": point_words(one.point),
-        "along": "" if one.direction is None else direction_words(vector3(unit(one.direction))),
-        "others": [f"{other.type.value} between {other.a} and {other.b}" for other in one.alternatives],
+        "evidence": "; ".join((f"a guess, score {connection.confidence.score:.2f}", *connection.confidence.evidence)),
+        "doubt": connection.review or weak,
+        "at": point_words(connection.point),
+        "along": "" if connection.direction is None else direction_words(vector3(unit(connection.direction))),
+        "others": [f"{other.type.value} between {other.a} and {other.b}" for other in connection.alternatives],
         "stops": [
             {"position": stop.position, "parts": f"'{stop.parts[0]}' and '{stop.parts[1]}'"}
-            for stop in (one.stops if isinstance(one, DraftJoint) else ())
+            for stop in (connection.stops if isinstance(connection, DraftJoint) else ())
         ],
     }
 
@@ -93,11 +93,11 @@ def _with_bodies(assembly: Assembly) -> tuple[int, ...]:
     )
 
 
-def _frame(one: DraftConnection) -> Pose:
+def _frame(connection: DraftConnection) -> Pose:
     """X_WL of a joint's child, with the axis as z."""
-    if one.direction is None:
-        return Pose.of(position=one.point)
-    return Pose.of(perpendicular_frame(unit(one.direction)), one.point)
+    if connection.direction is None:
+        return Pose.of(position=connection.point)
+    return Pose.of(perpendicular_frame(unit(connection.direction)), connection.point)
 
 
 def _joint(joint: DraftJoint, X_WL: Mapping[str, Pose]) -> Joint:

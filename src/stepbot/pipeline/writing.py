@@ -75,8 +75,8 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, diagnost
     diagnostics.raise_if_errors()
     by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
     listed = tuple(
-        replace(one, path=names[one.format]) if one.content is Content.ROBOT and one.format in names else one
-        for one in _listed(by_format)
+        replace(file, path=names[file.format]) if file.content is Content.ROBOT and file.format in names else file
+        for file in _listed(by_format)
     )
     if options.package and URDF.name in by_format:
         urdf = main_file(lowered[URDF.name], URDF)

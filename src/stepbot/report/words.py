@@ -45,8 +45,8 @@ def shape_words(shapes: Mapping[str, int]) -> str:
 def collision_summary(shapes: Sequence[LinkCollision]) -> str:
     """All links in one line: the number of shapes, the worst intersection over union, the largest overshoot."""
     counts: Counter[str] = Counter()
-    for one in shapes:
-        counts.update(one.shapes)
+    for collision in shapes:
+        counts.update(collision.shapes)
     words = f"collision shapes of {counted(len(shapes), 'link')}: {shape_words(counts)}"
     scored = [shape for shape in shapes if shape.iou is not None and shape.overshoot is not None]
     if scored:

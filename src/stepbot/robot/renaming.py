@@ -76,9 +76,9 @@ def renamed(
         first, second = sorted((link(a), link(b)))
         return first, second
 
-    def of_pair(one: PairContact) -> PairContact:
-        pose = tuple((joint(name), q) for name, q in one.pose)
-        return replace(one, link_a=link(one.link_a), link_b=link(one.link_b), pose=pose)
+    def of_pair(contact: PairContact) -> PairContact:
+        pose = tuple((joint(name), q) for name, q in contact.pose)
+        return replace(contact, link_a=link(contact.link_a), link_b=link(contact.link_b), pose=pose)
 
     overlaps: SelfCollision | None = robot.self_collision
     if overlaps is not None:

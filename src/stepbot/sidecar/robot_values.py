@@ -89,27 +89,27 @@ def _origin(pose: Pose, link: str) -> Json:
     return {"xyz": list(pose.position), "rpy": list(pose.rpy), "relative_to": link}
 
 
-def _actuator(one: Actuator) -> Json:
-    made: Json = {"joint": one.joint, "kind": one.kind.value, "gear": one.gear}
-    if one.tuning is None and one.kind is not ActuatorKind.MOTOR:
-        made |= {key: getattr(one, key) for key in ("kp", "kv") if getattr(one, key) > 0.0}
-    elif one.tuning is not None:
+def _actuator(actuator: Actuator) -> Json:
+    made: Json = {"joint": actuator.joint, "kind": actuator.kind.value, "gear": actuator.gear}
+    if actuator.tuning is None and actuator.kind is not ActuatorKind.MOTOR:
+        made |= {key: getattr(actuator, key) for key in ("kp", "kv") if getattr(actuator, key) > 0.0}
+    elif actuator.tuning is not None:
         made["gains"] = "auto"
-    limits = limit_values(one.limit)
+    limits = limit_values(actuator.limit)
     return made | ({"limits": limits} if limits else {})
 
 
-def _sensor(one: Sensor) -> Json:
-    made: Json = {"type": one.kind.value, **({"joint": one.joint} if one.joint else {"link": one.link})}
-    if one.kind in PLACED:
-        made["origin"] = _origin(one.X_LS, one.link)
-    if one.rate:
-        made["rate"] = one.rate
-    if one.kind in SEEING:
-        view = one.view
+def _sensor(sensor: Sensor) -> Json:
+    made: Json = {"type": sensor.kind.value, **({"joint": sensor.joint} if sensor.joint else {"link": sensor.link})}
+    if sensor.kind in PLACED:
+        made["origin"] = _origin(sensor.X_LS, sensor.link)
+    if sensor.rate:
+        made["rate"] = sensor.rate
+    if sensor.kind in SEEING:
+        view = sensor.view
         made |= {"fov": view.fov} if view.fov else {}
         pixels = view.columns and view.rows
-        made |= {"samples": view.columns} if one.kind is SensorKind.LIDAR and view.columns else {}
-        made |= {"resolution": [view.columns, view.rows]} if one.kind is SensorKind.CAMERA and pixels else {}
+        made |= {"samples": view.columns} if sensor.kind is SensorKind.LIDAR and view.columns else {}
+        made |= {"resolution": [view.columns, view.rows]} if sensor.kind is SensorKind.CAMERA and pixels else {}
         made |= {"range": [view.nearest, view.farthest]} if isfinite(view.farthest) else {}
     return made

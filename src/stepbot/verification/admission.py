@@ -256,7 +256,7 @@ def _report_missing(span: Span, missing: tuple[MissingMesh, ...], diagnostics: D
     more = f" and {len(others)} more" if others else ""
     notes = cut([f"also missing: '{other.uri}'" for other in others], _MOST_NOTES)
     remedy = "put the meshes where the file names them"
-    if any("://" in one.uri for one in missing):
+    if any("://" in mesh.uri for mesh in missing):
         remedy = "name the folder of the package: `--package-path DIR`"
     message = f"mesh '{first.uri}'{more} not found"
     diagnostics.add("SB861", message, span, help=[remedy], notes=notes)

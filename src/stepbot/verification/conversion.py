@@ -156,7 +156,7 @@ def _check_loops(robot: Robot, freedom: int, expected: Iterable[Observation], di
     if robot.closures and freedom == 0:
         diagnostics.add("SB819", "the closures leave no degree of freedom in the drawn pose", span)
     widest: dict[str, float] = {}
-    for closure in (closure for one in expected for closure in one.closures or ()):
+    for closure in (closure for observation in expected for closure in observation.closures or ()):
         widest[closure.name] = max(widest.get(closure.name, 0.0), closure.residual or 0.0)
     for name, gap in widest.items():
         if gap > WIDE_OPEN:

@@ -312,8 +312,8 @@ def ask(
 
 
 def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:
-    for one in by:
-        rate = one.following(rate)
+    for correspondence in by:
+        rate = correspondence.following(rate)
     return rate
 
 
@@ -324,7 +324,7 @@ def _clear_of_locks(
     random = np.random.Generator(np.random.PCG64(SEED + 2))
     clear = []
     for q in drawn:
-        while locked := next((one for one in by if not one.is_clear(q)), None):
+        while locked := next((correspondence for correspondence in by if not correspondence.is_clear(q)), None):
             q = locked.turned_elsewhere(q, random)  # it alone is known to have a ball joint to turn
         clear.append(q)
     return tuple(clear)

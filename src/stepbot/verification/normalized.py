@@ -260,9 +260,9 @@ def joined(parts: Sequence[ObservedShape]) -> ObservedShape:
 def _by_box(a: Sequence[ObservedShape], b: Sequence[ObservedShape]) -> Iterator[tuple[ObservedShape, ObservedShape]]:
     """Pairs of shapes whose boxes are nearest; those without a box are paired in the order of the files."""
     left = list(b)
-    for one in a:
-        apart = [_apart(one, other) for other in left]
-        yield one, left.pop(apart.index(min(apart)))
+    for shape in a:
+        apart = [_apart(shape, other) for other in left]
+        yield shape, left.pop(apart.index(min(apart)))
 
 
 def _apart(a: ObservedShape, b: ObservedShape) -> float:

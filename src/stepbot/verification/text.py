@@ -118,26 +118,26 @@ def compare_settings(ours: Mapping[str, Sequence[float]], theirs: Mapping[str, S
     return deviations
 
 
-def _is_in_other_words(one: Statement) -> bool:
+def _is_in_other_words(statement: Statement) -> bool:
     """Whether a number may be another one in a file of the same robot; the place of a model is its own."""
-    return last_of(one.place) in _IN_OTHER_WORDS.split() and _MODEL.match(one.place) is None
+    return last_of(statement.place) in _IN_OTHER_WORDS.split() and _MODEL.match(statement.place) is None
 
 
-def _may_make_up_for_another(one: Statement) -> bool:
+def _may_make_up_for_another(statement: Statement) -> bool:
     """Whether another number, or word, may be the same robot together with others: a mesh and its scale, two poses."""
-    return _is_in_other_words(one) or (one.read and numbers(one.value) is None)
+    return _is_in_other_words(statement) or (statement.read and numbers(statement.value) is None)
 
 
-def _is_default(one: Statement) -> bool:
+def _is_default(statement: Statement) -> bool:
     """Whether a number is what a file means that leaves it out."""
-    default = _LEFT_OUT.get(last_of(one.place.removesuffix("@value")))
-    values = numbers({"true": "1", "false": "0"}.get(one.value, one.value))
+    default = _LEFT_OUT.get(last_of(statement.place.removesuffix("@value")))
+    values = numbers({"true": "1", "false": "0"}.get(statement.value, statement.value))
     return default is not None and values is not None and set(values) == {default}
 
 
 def _placing(both: Iterable[Statement]) -> dict[str, str]:
     """Places that state how a robot is held in its world, and what they mean if left out: no engine reports them."""
-    joints = [one.place.removesuffix("/parent@link") for one in both if one.value == "world"]
+    joints = [statement.place.removesuffix("/parent@link") for statement in both if statement.value == "world"]
     poses = {f"{joint}/origin@{name}": "0 0 0" for joint in joints for name in ("xyz", "rpy")}
     return poses | {f"{joint}@type": "" for joint in joints}
 
@@ -146,11 +146,11 @@ def _by_place(
     given: Iterable[Statement], both: Iterable[Statement], defaults: Mapping[str, str]
 ) -> Mapping[str, Statement]:
     """The statements of a file by place, with defaults of those that one of ``both`` files makes."""
-    places = {one.place for one in both}
+    places = {statement.place for statement in both}
     meant = {place: text for place in places for end, text in _DEFAULTS.items() if place.endswith(end)}
     meant |= {place: text for place, text in defaults.items() if text and place in places}
     return {place: Statement(place, text, read=True) for place, text in meant.items()} | {
-        one.place: one for one in given
+        statement.place: statement for statement in given
     }
 
 

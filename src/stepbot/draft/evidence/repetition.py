@@ -37,7 +37,9 @@ def repeated_joints(
             continue
         for a, b, axis in _elsewhere(survey, h):
             sides = frozenset((link_of[a], link_of[b]))
-            known = any((one.a, one.b) == (a, b) and one.axis.same(axis, OFFSET) for one in repeated)
+            known = any(
+                (evidence.a, evidence.b) == (a, b) and evidence.axis.same(axis, OFFSET) for evidence in repeated
+            )
             if known or (len(sides) == 2 and sides in joined):
                 continue
             why = f"as between '{survey.parts[h.a].path}' and '{survey.parts[h.b].path}'"

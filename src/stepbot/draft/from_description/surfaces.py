@@ -32,16 +32,16 @@ class _Faces(Struct, frozen=True, eq=False):
 
     @staticmethod
     def of(placed: list[PlacedFace]) -> "_Faces":
-        kinds = [one.face.kind for one in placed]
+        kinds = [face.face.kind for face in placed]
         return _Faces(
             np.array([kind is FaceKind.PLANE for kind in kinds], dtype=bool),
             np.array([kind is FaceKind.CYLINDER for kind in kinds], dtype=bool),
             np.array([kind in _KNOWN for kind in kinds], dtype=bool),
-            np.array([one.point for one in placed]).reshape(-1, 3),
-            np.array([one.direction for one in placed]).reshape(-1, 3),
-            np.array([one.face.radius for one in placed]),
-            np.array([one.low for one in placed]).reshape(-1, 3) - ON_FACE,
-            np.array([one.high for one in placed]).reshape(-1, 3) + ON_FACE,
+            np.array([face.point for face in placed]).reshape(-1, 3),
+            np.array([face.direction for face in placed]).reshape(-1, 3),
+            np.array([face.face.radius for face in placed]),
+            np.array([face.low for face in placed]).reshape(-1, 3) - ON_FACE,
+            np.array([face.high for face in placed]).reshape(-1, 3) + ON_FACE,
         )
 
     def pairs(self, points: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:

@@ -383,13 +383,13 @@ class _Candidate(Struct, frozen=True):
     """Number of motors whose cases it has, less those that drive it."""
 
 
-def _rank(survey: Survey, structure: Structure, one: _Candidate, up: Direction) -> float:
+def _rank(survey: Survey, structure: Structure, candidate: _Candidate, up: Direction) -> float:
     along, side = "xyz".index(up[-1]), int(up.startswith("-"))
-    bottom = min(abs(float(survey.parts[i].box[side][along] - survey.box[side][along])) for i in one.members)
-    rank = _BASE_NAME * _is_base_by_name(survey, structure, one.members) + one.share
+    bottom = min(abs(float(survey.parts[i].box[side][along] - survey.box[side][along])) for i in candidate.members)
+    rank = _BASE_NAME * _is_base_by_name(survey, structure, candidate.members) + candidate.share
     rank += 0.5 * (1.0 - bottom / max(1e-9, survey.extent))
-    if one.branches >= _BRANCHES and one.relative > _TRUNK_SHARE:
+    if candidate.branches >= _BRANCHES and candidate.relative > _TRUNK_SHARE:
         rank += _TRUNK
-    if one.is_end:
-        rank += 0.3 + 0.4 * ((one.holds > 0) - (one.holds < 0))
+    if candidate.is_end:
+        rank += 0.3 + 0.4 * ((candidate.holds > 0) - (candidate.holds < 0))
     return rank

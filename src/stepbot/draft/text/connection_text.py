@@ -63,18 +63,19 @@ def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[s
     ]
 
 
-def fused_lines(one: Alternative, name: str, names: DraftNames) -> list[str]:
+def fused_lines(alternative: Alternative, name: str, names: DraftNames) -> list[str]:
     """A joint that frees a part of a link, as a line to uncomment, with why the part was drafted as fixed."""
-    entries = [("type", one.type.value), *_ends("parent", one.link, "child", name, names)]
-    if one.point is not None:
-        entries.append(("origin", alternative_origin(one.point, one.direction)))
-    if one.type.bounded:
+    entries = [("type", alternative.type.value), *_ends("parent", alternative.link, "child", name, names)]
+    if alternative.point is not None:
+        entries.append(("origin", alternative_origin(alternative.point, alternative.direction)))
+    if alternative.type.bounded:
         entries.append(("limits", "todo"))
-    facts = "; ".join(one.confidence.evidence)
-    other = one.a if one.moving == one.b else one.b
+    facts = "; ".join(alternative.confidence.evidence)
+    other = alternative.a if alternative.moving == alternative.b else alternative.b
+    score = f"score {alternative.confidence.score:.2f}: {one_line(facts)}"
     return [
-        *comment(f"fused: '{one.moving}' and '{other}' are one link: {one.held}", 2),
-        f"  # {scalar(f'{name}_joint')}: {flow(entries)}  # score {one.confidence.score:.2f}: {one_line(facts)}",
+        *comment(f"fused: '{alternative.moving}' and '{other}' are one link: {alternative.held}", 2),
+        f"  # {scalar(f'{name}_joint')}: {flow(entries)}  # {score}",
     ]
 
 
@@ -82,22 +83,24 @@ def _ends(key_a: str, a: str, key_b: str, b: str, names: DraftNames) -> Entries:
     return [(key_a, scalar(names.links.get(a, a))), (key_b, scalar(names.links.get(b, b)))]
 
 
-def _origin(one: DraftConnection) -> tuple[str, str]:
-    return "origin", origin_text(one.origin)
+def _origin(connection: DraftConnection) -> tuple[str, str]:
+    return "origin", origin_text(connection.origin)
 
 
-def _typed(one: DraftConnection, ends: Entries) -> Entries:
+def _typed(connection: DraftConnection, ends: Entries) -> Entries:
     """Type, links, origin and axes."""
-    kind, pitch = one.type, one.pitch if isinstance(one, DraftJoint) else None
+    kind, pitch = connection.type, connection.pitch if isinstance(connection, DraftJoint) else None
     if kind is JointKind.SCREW and pitch is None:  # its coordinates: it has both a revolute and a prismatic one
         kind = JointKind.CYLINDRICAL
-    entries = [("type", kind.value), *ends, _origin(one)]
-    if kind.has_axis and one.axis != "z":
-        entries.append(("axis", axis(one.axis)))
-    if isinstance(one, DraftJoint) and kind is JointKind.UNIVERSAL:
-        entries.append(("axis2", axis(one.axis2 or "x")))
-    if isinstance(one, DraftJoint) and one.zero:
-        entries.append(("zero", millimetres(one.zero) if kind is JointKind.PRISMATIC else angle(one.zero)))
+    entries = [("type", kind.value), *ends, _origin(connection)]
+    if kind.has_axis and connection.axis != "z":
+        entries.append(("axis", axis(connection.axis)))
+    if isinstance(connection, DraftJoint) and kind is JointKind.UNIVERSAL:
+        entries.append(("axis2", axis(connection.axis2 or "x")))
+    if isinstance(connection, DraftJoint) and connection.zero:
+        entries.append(
+            ("zero", millimetres(connection.zero) if kind is JointKind.PRISMATIC else angle(connection.zero))
+        )
     if pitch is not None:
         entries.append(("pitch", f"{millimetres(pitch)}/rev"))
     return entries
@@ -140,25 +143,27 @@ def inertial_lines(given: MassProperties) -> list[str]:
     return [f"    inertial: {flow(entries)}"]
 
 
-def _evidence(one: DraftConnection, names: DraftNames) -> list[str]:
+def _evidence(connection: DraftConnection, names: DraftNames) -> list[str]:
     """The evidence for it, and what to review."""
-    facts = "; ".join(one.confidence.evidence)
-    lines = comment(f"score {one.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
-    if isinstance(one, DraftJoint) and one.limits is not None and one.limits_from:
-        lines += comment(f"limits: {one.limits_from}", 2)
-    if isinstance(one, DraftJoint):
-        lines += [line for stop in one.stops for line in comment(_stop_text(one, stop), 2)]
-    if isinstance(one, DraftJoint) and one.stops_skipped:
-        lines += comment(f"stops: pairs of parts not compared, because of their many faces: {one.stops_skipped}", 2)
-    reasons = [one.review] if one.review else []
-    if one.doubt:
-        reasons.append(f"weak evidence for its axis: {one.doubt}")
-    if isinstance(one, DraftJoint) and one.type is JointKind.SCREW and one.pitch is None:
+    facts = "; ".join(connection.confidence.evidence)
+    lines = comment(f"score {connection.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
+    if isinstance(connection, DraftJoint) and connection.limits is not None and connection.limits_from:
+        lines += comment(f"limits: {connection.limits_from}", 2)
+    if isinstance(connection, DraftJoint):
+        lines += [line for stop in connection.stops for line in comment(_stop_text(connection, stop), 2)]
+    if isinstance(connection, DraftJoint) and connection.stops_skipped:
+        lines += comment(
+            f"stops: pairs of parts not compared, because of their many faces: {connection.stops_skipped}", 2
+        )
+    reasons = [connection.review] if connection.review else []
+    if connection.doubt:
+        reasons.append(f"weak evidence for its axis: {connection.doubt}")
+    if isinstance(connection, DraftJoint) and connection.type is JointKind.SCREW and connection.pitch is None:
         reasons.append("unknown pitch: cylindrical until replaced by `type: screw` with a `pitch`")
-    if not reasons and one.is_reviewed:
+    if not reasons and connection.is_reviewed:
         reasons.append("the evidence is weak; compare with the drawing")
-    if isinstance(one, DraftJoint) and not one.confidence.score:
-        ends = " ".join(quoted(names.links.get(end, end)) for end in (one.parent, one.child))
+    if isinstance(connection, DraftJoint) and not connection.confidence.score:
+        ends = " ".join(quoted(names.links.get(end, end)) for end in (connection.parent, connection.child))
         lines += comment(f"axes that both links may share: `stepbot inspect --between {ends} SIDECAR`", 2)
     return [*lines, *(line for reason in reasons for line in comment(f"REVIEW: {reason}", 2))]
 
@@ -188,5 +193,5 @@ def _alternative(name: str, ends: Entries, other: Alternative, joint: DraftConne
     )
 
 
-def _commented(name: str, guess: Entries, one: DraftConnection) -> str:
-    return f"  # {name}: {flow(guess)}  # a guess, score {one.confidence.score:.2f}"
+def _commented(name: str, guess: Entries, connection: DraftConnection) -> str:
+    return f"  # {name}: {flow(guess)}  # a guess, score {connection.confidence.score:.2f}"

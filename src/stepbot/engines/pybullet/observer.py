@@ -174,7 +174,7 @@ def _observe_sdf(engine: Any, request: Request) -> Observation:
     with tree_copy(file, held=True, shapes=False) as (path, _), _loaded(engine, path, "sdf") as body:
         mass = engine.getDynamicsInfo(body.id, -1)[0]
         # It reads masses, but not inertias: gravity forces alone are compared.
-        weights = () if mass else tuple(Dynamics(gravity=one.gravity) for one in _dynamics(body, request))
+        weights = () if mass else tuple(Dynamics(gravity=dynamics.gravity) for dynamics in _dynamics(body, request))
         observation = replace(observation, dynamics=weights)
     if not observation.links[0].mass:  # fixed, whatever the file states
         return replace(observation, notes=(*observation.notes, _HELD))

@@ -243,15 +243,17 @@ class _Drive(Struct, frozen=True):
         return bool(self.name or self.stiffness or self.damping)
 
 
-def _drive(stage: Stage, one: Connection) -> _Drive | None:
+def _drive(stage: Stage, connection: Connection) -> _Drive | None:
     from pxr import UsdPhysics
 
-    name = "linear" if one.kind == JointKind.PRISMATIC else "angular"
-    if not one.prim.HasAPI(UsdPhysics.DriveAPI, name):
+    name = "linear" if connection.kind == JointKind.PRISMATIC else "angular"
+    if not connection.prim.HasAPI(UsdPhysics.DriveAPI, name):
         return None
-    drive, (force, gain) = UsdPhysics.DriveAPI(one.prim, name), one.units(stage)
-    stiffness, damping = (_per_unit(one, float(a.Get())) for a in (drive.GetStiffnessAttr(), drive.GetDampingAttr()))
-    actuator = str(one.prim.GetCustomDataByKey("actuator") or "")
+    drive, (force, gain) = UsdPhysics.DriveAPI(connection.prim, name), connection.units(stage)
+    stiffness, damping = (
+        _per_unit(connection, float(a.Get())) for a in (drive.GetStiffnessAttr(), drive.GetDampingAttr())
+    )
+    actuator = str(connection.prim.GetCustomDataByKey("actuator") or "")
     return _Drive(actuator, stiffness * gain, damping * gain, float(drive.GetMaxForceAttr().Get()) * force)
 
 
@@ -272,13 +274,13 @@ def actuators(stage: Stage, branches: Sequence[Branch], joints: Sequence[Observe
         yield ObservedActuator(drive.name, joint.name, kind.value, drive.stiffness, drive.damping, None, control, bound)
 
 
-def observed_closure(one: Connection, loops: Sequence[LoopClosure]) -> ObservedClosure:
+def observed_closure(connection: Connection, loops: Sequence[LoopClosure]) -> ObservedClosure:
     """A joint that closes a loop, in the frames of the expected one."""
-    ends = [body.name for body in one.bodies if body is not None]
-    axis = one.local_axis if one.turns or one.kind == JointKind.PRISMATIC else None
+    ends = [body.name for body in connection.bodies if body is not None]
+    axis = connection.local_axis if connection.turns or connection.kind == JointKind.PRISMATIC else None
     # Without limits, a pin that closes a loop is continuous in UsdPhysics, and revolute in the model.
-    kind = JointKind.REVOLUTE.value if one.kind == JointKind.CONTINUOUS else one.kind
-    return turned_as_expected(one.name, kind, (ends[0], ends[1]), one.frames, axis, loops)
+    kind = JointKind.REVOLUTE.value if connection.kind == JointKind.CONTINUOUS else connection.kind
+    return turned_as_expected(connection.name, kind, (ends[0], ends[1]), connection.frames, axis, loops)
 
 
 def without_residue(q: float) -> float:
@@ -315,10 +317,10 @@ def _schemas(prim: Any) -> set[str]:
     return set(prim.GetAppliedSchemas()) | set(listed.GetAddedOrExplicitItems() if listed else ())
 
 
-def _in_si(stage: Stage, one: Connection, value: float) -> float:
-    return radians(value) if one.turns else value * stage.metres
+def _in_si(stage: Stage, connection: Connection, value: float) -> float:
+    return radians(value) if connection.turns else value * stage.metres
 
 
-def _per_unit(one: Connection, value: float) -> float:
+def _per_unit(connection: Connection, value: float) -> float:
     """A gain per degree as one per radian; others are unchanged."""
-    return value / radians(1.0) if one.turns else value
+    return value / radians(1.0) if connection.turns else value

@@ -64,7 +64,7 @@ def collision_scores(unscored: Sequence[Unscored]) -> tuple[CollisionScore, ...]
     return tuple(map(collision_score, unscored))
 
 
-def collision_score(one: Unscored, encloses: bool = False) -> CollisionScore:
+def collision_score(unscored: Unscored, encloses: bool = False) -> CollisionScore:
     """The score of the shapes of a link.
 
     Args:
@@ -72,19 +72,19 @@ def collision_score(one: Unscored, encloses: bool = False) -> CollisionScore:
     """
     import manifold3d
 
-    meshes = [solid.mesh for solid in one.solids]
-    meshes += [shape.geometry for shape in one.shapes if isinstance(shape.geometry, TriMesh)]
-    if not one.shapes or sum(len(mesh.faces) for mesh in meshes) > MAX_FACES:
+    meshes = [solid.mesh for solid in unscored.solids]
+    meshes += [shape.geometry for shape in unscored.shapes if isinstance(shape.geometry, TriMesh)]
+    if not unscored.shapes or sum(len(mesh.faces) for mesh in meshes) > MAX_FACES:
         return NO_SCORE
-    solid = union(one.solids)
+    solid = union(unscored.solids)
     if solid.manifold is None:
         return NO_SCORE
-    parts = [of_same_volume(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]
+    parts = [of_same_volume(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in unscored.shapes]
     shapes = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
     volume = float(shapes.volume())
     outside = volume - solid.volume if encloses else float((shapes - solid.manifold).volume())
-    is_exact = len(one.shapes) == 1 and not isinstance(one.shapes[0].geometry, TriMesh)
-    both = volume - outside + (one.missing if is_exact else 0.0)
+    is_exact = len(unscored.shapes) == 1 and not isinstance(unscored.shapes[0].geometry, TriMesh)
+    both = volume - outside + (unscored.missing if is_exact else 0.0)
     iou = both / (solid.volume + outside)
     return CollisionScore(round(min(iou, 1.0), _DECIMALS), round(_overshoot(solid, shapes), _DECIMALS))
 

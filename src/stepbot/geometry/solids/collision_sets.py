@@ -109,13 +109,13 @@ def enclosed_meshes(meshes: Sequence[PlacedSolid], shapes: Sequence[PlacedShape]
     return tuple(i for i, one in enumerate(meshes) if _is_inside(one, union))
 
 
-def _is_inside(one: PlacedSolid, union: Any) -> bool:
+def _is_inside(solid: PlacedSolid, union: Any) -> bool:
     import manifold3d
 
-    hull = convex_hull(one.mesh.vertices)
+    hull = convex_hull(solid.mesh.vertices)
     if hull is None:
         return False
-    shrunk = manifold3d.Manifold.hull_points(np.ascontiguousarray(one.X_AC.apply(_shrunk(hull.vertices))))
+    shrunk = manifold3d.Manifold.hull_points(np.ascontiguousarray(solid.X_AC.apply(_shrunk(hull.vertices))))
     return bool((shrunk - union).is_empty())
 
 

@@ -66,20 +66,20 @@ def index_page(entries: Sequence[Entry]) -> bytes:
     return plain_page("Robots – stepbot report", body).encode("utf-8", "backslashreplace")
 
 
-def _row(one: Entry) -> Markup:
-    name = element("a", one.name, href=quote(one.page)) if one.page else one.name
-    failed = element("b.bad", f", {one.failed} failed") if one.failed else None
-    checks = (f"{one.passed} passed", failed) if one.passed or one.failed else "–"
+def _row(entry: Entry) -> Markup:
+    name = element("a", entry.name, href=quote(entry.page)) if entry.page else entry.name
+    failed = element("b.bad", f", {entry.failed} failed") if entry.failed else None
+    checks = (f"{entry.passed} passed", failed) if entry.passed or entry.failed else "–"
     return table_row(
         name,
-        element("td.bad" if one.status == "failed" else "td.good", one.status),
+        element("td.bad" if entry.status == "failed" else "td.good", entry.status),
         checks,
-        element("td.number", "–" if one.mass is None else mass_text(one.mass)),
-        element("td.number", "–" if one.links is None else one.links),
-        element("td.number", "–" if one.joints is None else one.joints),
-        element("td.number", one.warnings),
-        (element("div", message) for message in one.errors),
-        data_robot=one.name,
+        element("td.number", "–" if entry.mass is None else mass_text(entry.mass)),
+        element("td.number", "–" if entry.links is None else entry.links),
+        element("td.number", "–" if entry.joints is None else entry.joints),
+        element("td.number", entry.warnings),
+        (element("div", message) for message in entry.errors),
+        data_robot=entry.name,
     )
 
 

@@ -155,25 +155,29 @@ def findings_section(diagnostics: Iterable[Diagnostic], lines: Places, short_nam
     return section("Findings", shown or nothing, name="finding-list")
 
 
-def _finding(one: Diagnostic, line: str | None, short_name: Mapping[str, str]) -> Markup:
-    tone = {"error": "bad", "warning": "warn"}.get(one.severity, "quiet")
-    place = short_name.get(one.span.file, one.span.file) + (f":{one.span.line}" if one.span.line else "")
+def _finding(diagnostic: Diagnostic, line: str | None, short_name: Mapping[str, str]) -> Markup:
+    tone = {"error": "bad", "warning": "warn"}.get(diagnostic.severity, "quiet")
+    place = short_name.get(diagnostic.span.file, diagnostic.span.file) + (
+        f":{diagnostic.span.line}" if diagnostic.span.line else ""
+    )
     return element(
         "article.finding",
-        element("p", element(f"b.{tone}", f"{one.severity} {one.code}"), " ", one.message),
-        element("p.quiet", f"{place} · {CODES[one.code].title}"),
-        _frame(one, line) if line is not None else None,
-        element("ul", (element("li", note) for note in one.notes)) if one.notes else None,
-        element("ul.help", (element("li", f"help: {help}") for help in one.remedies)) if one.remedies else None,
+        element("p", element(f"b.{tone}", f"{diagnostic.severity} {diagnostic.code}"), " ", diagnostic.message),
+        element("p.quiet", f"{place} · {CODES[diagnostic.code].title}"),
+        _frame(diagnostic, line) if line is not None else None,
+        element("ul", (element("li", note) for note in diagnostic.notes)) if diagnostic.notes else None,
+        element("ul.help", (element("li", f"help: {help}") for help in diagnostic.remedies))
+        if diagnostic.remedies
+        else None,
     )
 
 
-def _frame(one: Diagnostic, line: str) -> Markup:
+def _frame(diagnostic: Diagnostic, line: str) -> Markup:
     """The source line with the place marked."""
-    start = max(one.span.column - 1, 0)
-    end = max(one.span.end_column - 1, start + 1)
-    marked = (line[:start], element("mark", line[start:end]), line[end:]) if one.span.column else (line,)
-    return element("pre", element("span.quiet", f"{one.span.line} │ "), marked)
+    start = max(diagnostic.span.column - 1, 0)
+    end = max(diagnostic.span.end_column - 1, start + 1)
+    marked = (line[:start], element("mark", line[start:end]), line[end:]) if diagnostic.span.column else (line,)
+    return element("pre", element("span.quiet", f"{diagnostic.span.line} │ "), marked)
 
 
 def inputs_section(report: Report) -> Markup:

@@ -129,10 +129,10 @@ def joints_section(robot: Robot, rows: Iterable[JointRow]) -> Markup:
     return section("Joints", note, body, name="joint-table")
 
 
-def _joint_row(one: JointRow, joint: Joint | None) -> Markup:
-    evidence = one.evidence
-    axis = "–" if one.axis is None else direction_words(one.axis)
-    second = "" if one.axis2 is None else f", {direction_words(one.axis2)}"
+def _joint_row(row: JointRow, joint: Joint | None) -> Markup:
+    evidence = row.evidence
+    axis = "–" if row.axis is None else direction_words(row.axis)
+    second = "" if row.axis2 is None else f", {direction_words(row.axis2)}"
     others = (
         element(
             "details",
@@ -144,14 +144,14 @@ def _joint_row(one: JointRow, joint: Joint | None) -> Markup:
     )
     weak = element("div.warn", f"weak: {evidence.doubt}") if evidence.doubt else None
     return table_row(
-        f"{'? ' if evidence.doubt else ''}{one.name}",
-        f"{one.kind}{' closure' if one.is_closure else ''}",
-        f"{one.parent} → {one.child}",
+        f"{'? ' if evidence.doubt else ''}{row.name}",
+        f"{row.kind}{' closure' if row.is_closure else ''}",
+        f"{row.parent} → {row.child}",
         *_limits(joint),
         element("td.number", axis + second),
-        element("td.number", "not reported" if one.origin is None else point_words(one.origin)),
+        element("td.number", "not reported" if row.origin is None else point_words(row.origin)),
         (evidence_words(evidence), weak, others),
-        data_joint=one.name,
+        data_joint=row.name,
     )
 
 
@@ -204,20 +204,20 @@ def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
     """Where the grams of a link come from: one line, or a table to open."""
     if not masses:
         return None
-    origins = list(dict.fromkeys(one.origin for one in masses))
+    origins = list(dict.fromkeys(mass.origin for mass in masses))
     summary = f"{counted(len(masses), 'part')}: {', '.join(origins)}"
     headings = ("component", "mass", "density [kg/m³]", "volume [cm³]", "source", "computed from")
     rows = (
         element(
             "tr",
-            element("td", one.component or "the whole link"),
-            cell(one.mass, mass_text),
-            cell(one.density, "{:.6g}".format),
-            cell(one.volume, lambda volume: f"{1e6 * volume:.6g}"),
-            element("td", one.origin),
-            element("td", one.method),
+            element("td", mass.component or "the whole link"),
+            cell(mass.mass, mass_text),
+            cell(mass.density, "{:.6g}".format),
+            cell(mass.volume, lambda volume: f"{1e6 * volume:.6g}"),
+            element("td", mass.origin),
+            element("td", mass.method),
         )
-        for one in masses
+        for mass in masses
     )
     return element("details", element("summary", summary), table(headings, rows))
 
