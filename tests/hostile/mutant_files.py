@@ -37,6 +37,9 @@ _DRAWN = range(4)
 _LARGEST_STEP = 200_000
 """Size [bytes] of STEP files: larger ones would take most of the time."""
 _SIDECARS = ("stepbot_arm2", "stepbot_diff_drive", "stepbot_four_bar", "robotiq_2f85")
+COMPOSED = "sidecar-composed"
+VARIANTS = ("bare", "far", "hung")
+"""Of the composed sidecar."""
 PART = "v 0 0 0\nv 60 0 0\nv 0 80 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
 """A mesh in millimetres, which the foreign descriptions name."""
 FILES = ("sidecar", "step", "urdf", "sdf", "mjcf", "mesh")
@@ -160,6 +163,7 @@ def collect(folder: Path) -> None:
         (step,) = (ROOT / "robot_library" / name).glob("*.step")
         shutil.copyfile(source, place / "main.robot.yaml")
         shutil.copyfile(step, place / step.name)
+    _compose(folder / COMPOSED)
     steps = folder / "steps"
     subprocess.run([sys.executable, "-m", "tests.fuzz.bases", str(steps)], cwd=ROOT, check=True)
     for path in sorted(steps.iterdir()):
@@ -180,6 +184,21 @@ def collect(folder: Path) -> None:
         place.mkdir()
         shutil.copyfile(_FOREIGN / source, place / f"main.{DESCRIPTIONS[written_in]}")
         put_part(place)
+
+
+def _compose(place: Path) -> None:
+    """A sidecar of a URDF, another sidecar, its mirror image and an MJCF, with variants."""
+    place.mkdir()
+    arm = ROOT / "robot_library" / "stepbot_arm2"
+    for source, name in (
+        (_FOREIGN / "pair.robot.yaml", "main.robot.yaml"),
+        (_FOREIGN / "arm.urdf", "arm.urdf"),
+        (arm / "arm2.robot.yaml", "arm2.robot.yaml"),
+        (arm / "arm2.step", "arm2.step"),
+        (ROOT / "robot_library" / "composed" / "cell_cube.xml", "cube.xml"),
+    ):
+        shutil.copyfile(source, place / name)
+    put_part(place)
 
 
 _ONE_LINK = """\

@@ -27,7 +27,7 @@ from random import Random
 from typing import Any
 
 from msgspec import Struct
-from msgspec.structs import asdict
+from msgspec.structs import asdict, replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.codes import CODES
@@ -44,7 +44,7 @@ from tests.robots import ROBOTS
 from tests.warm import warm_processes
 
 from . import sandbox
-from .mutant_files import DESCRIPTIONS, FileMutant
+from .mutant_files import COMPOSED, DESCRIPTIONS, VARIANTS, FileMutant
 
 LIMIT = 25
 """Time limit [s] of kernel and engines that the commands get."""
@@ -79,7 +79,10 @@ def planned(mutant: FileMutant, file: str) -> Run:
     shown = rng.choice(((), ("--json",), ("--json",), ("-v",), ("--concise",)))
     into = ("-o", "out", *limits, *shown)
     if mutant.group == "sidecar":
-        return _on_sidecar(file, rng, into, (*limits, *shown))
+        run = _on_sidecar(file, rng, into, (*limits, *shown))
+        if mutant.base == COMPOSED and run.arguments[0] == "convert" and rng.random() < 0.5:
+            return replace(run, arguments=(*run.arguments, "--variant", rng.choice(VARIANTS)))
+        return run
     if mutant.group == "step":
         return rng.choice(
             (
@@ -104,6 +107,8 @@ def planned(mutant: FileMutant, file: str) -> Run:
     if way < 0.87:
         sound = f"sound.{file.rpartition('.')[2]}"
         return Run(("diff", *rng.sample((sound, file), 2), *limits, *(one for one in shown if one != "--concise")))
+    if way < 0.9:
+        return Run(("datasheet", file, *limits, *shown))
     if way < 0.94:
         return Run(("collisions", file, "--samples", "20", *limits, *shown))
     return Run(
@@ -122,11 +127,13 @@ def _on_sidecar(file: str, rng: Random, into: tuple[str, ...], options: tuple[st
             ("check", file, *(one for one in options if one not in ("--timeout", "--memory-limit", "4G", str(LIMIT))))
         )
     if way < 0.8:
-        return Run(("lock", file, *options), ("work/main.lock.json",))
+        return Run(("lock", file, *options), ("work/main.lock.json", "work/arm2.lock.json"))
     if way < 0.9:
         return Run(
             ("diff", *rng.sample(("sound.robot.yaml", file), 2), *(one for one in options if one != "--concise"))
         )
+    if way < 0.95:
+        return Run(("datasheet", file, *options))
     return Run(("collisions", file, "--samples", "20", *options))
 
 

@@ -40,6 +40,7 @@ EXPERIMENT = Experiment(
         "`diff` of a file that no engine reads ended with code 2 and without a word (SB815)",
         "a screw without pitch that turns without end raised an exception in the writer for Webots",
         "SDFormat whose moments of inertia are not finite raised an exception (SB414)",
+        "SDFormat with a lidar whose scan is infinite raised an exception in `convert` and `verify` (SB823)",
         "a placement without its point, of a part that occurs many times in a STEP file, raised an exception",
     ),
 )

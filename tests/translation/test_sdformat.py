@@ -97,7 +97,13 @@ def test_include_is_not_followed(rig: Path) -> None:
             '<link name="base">',
             '<link name="base"><sensor name="eye" type="camera"><camera><image><width>inf</width></image>'
             "</camera></sensor>",
-            "<width> is infinite, a whole number expected",
+            "<width> is infinite",
+        ),
+        (
+            '<link name="base">',
+            '<link name="base"><sensor name="eye" type="lidar"><lidar><scan><horizontal><min_angle>-inf</min_angle>'
+            "</horizontal></scan></lidar></sensor>",
+            "<min_angle> is infinite",
         ),
     ],
 )

@@ -66,16 +66,21 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     return value
 
 
-def count_at(element: Element | None, path: str, default: int) -> int:
-    """The whole number in a child element, or the default if it is missing.
+def finite_at(element: Element | None, path: str, default: float) -> float:
+    """The finite number in a child element, or the default if it is missing.
 
     Raises:
-        EngineRefused: It is something else, or infinite.
+        EngineRefused: It is something else.
     """
     value = number_at(element, path, default)
     if math.isinf(value):
-        raise EngineRefused(f"<{path.rpartition('/')[2]}> is infinite, a whole number expected")
-    return int(value)
+        raise EngineRefused(f"<{path.rpartition('/')[2]}> is infinite")
+    return value
+
+
+def count_at(element: Element | None, path: str, default: int) -> int:
+    """The whole number in a child element, or the default if it is missing; raises as :func:`finite_at`."""
+    return int(finite_at(element, path, default))
 
 
 def bool_at(element: Element | None, path: str, default: bool) -> bool:

@@ -12,7 +12,7 @@ from stepbot.robot.sensors import SensorKind
 
 from ..observation import ObservedSensor
 from ..xml import Element
-from .frames import Frames, count_at, ends, number_at, read_pose, relative_to
+from .frames import Frames, count_at, ends, finite_at, number_at, read_pose, relative_to
 
 _KINDS = {
     "imu": SensorKind.IMU,
@@ -81,7 +81,7 @@ def _camera(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor
     return replace(
         seen,
         X_LS=X_LS @ read_pose(camera),
-        fov=number_at(camera, "horizontal_fov", 1.047),
+        fov=finite_at(camera, "horizontal_fov", 1.047),
         columns=count_at(camera, "image/width", 320),
         rows=count_at(camera, "image/height", 240),
         nearest=number_at(camera, "clip/near", 0.1),
@@ -92,12 +92,12 @@ def _camera(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor
 def _lidar(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor:
     """The centre of a lidar's range is x of its frame, along which a single ray points."""
     lidar = sensor.find("lidar") if sensor.find("lidar") is not None else sensor.find("ray")
-    low = number_at(lidar, "scan/horizontal/min_angle", 0.0)
-    high = number_at(lidar, "scan/horizontal/max_angle", 0.0)
+    low = finite_at(lidar, "scan/horizontal/min_angle", 0.0)
+    high = finite_at(lidar, "scan/horizontal/max_angle", 0.0)
     columns = count_at(lidar, "scan/horizontal/samples", 640)
     return replace(
         seen,
-        X_LS=X_LS @ Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * (low + high))),
+        X_LS=X_LS @ Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * low + 0.5 * high)),
         fov=high - low if columns > 1 else 0.0,
         columns=columns,
         rows=count_at(lidar, "scan/vertical/samples", 1),
