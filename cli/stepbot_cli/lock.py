@@ -84,5 +84,5 @@ def _reject_whole_disks(named: Iterable[Path]) -> None:
             raise click.UsageError(f"'{name}' has more than your robots below it: name their folder, or the sidecars")
 
 
-def _counts(taken: "Snapshot") -> dict[str, int]:
-    return {"components": len(taken.parts), "joints": len(taken.joints)}
+def _counts(snapshot: "Snapshot") -> dict[str, int]:
+    return {"components": len(snapshot.parts), "joints": len(snapshot.joints)}

@@ -41,11 +41,11 @@ class CollisionRule(Struct, frozen=True):
         return self.shape in DECOMPOSED
 
 
-def rule_of(given: Derived, document: Document) -> CollisionRule:
+def rule_of(derived: Derived, document: Document) -> CollisionRule:
     """A rule of the sidecar; budgets that it lacks are the defaults' or else stepbot's."""
     default = document.defaults.collision
     budgets = default if isinstance(default, CollisionSettings) else CollisionSettings()
-    own = given if isinstance(given, CollisionSettings) else CollisionSettings(shape=given)
+    own = derived if isinstance(derived, CollisionSettings) else CollisionSettings(shape=derived)
     max_vertices = budgets.max_vertices if own.max_vertices is None else own.max_vertices
     if max_vertices is None and own.shape in DECOMPOSED:
         max_vertices = MAX_VERTICES
@@ -90,9 +90,9 @@ def useless_budgets(document: Document) -> list[tuple[tuple[str, ...], Collision
     return [(place, given.shape, _useless(given)) for place, given in places if isinstance(given, CollisionSettings)]
 
 
-def _useless(given: CollisionSettings) -> list[str]:
-    allowed = {"max_hulls", "max_vertices"} if given.shape in DECOMPOSED else set()
-    if given.shape is CollisionShape.HULL:
+def _useless(settings: CollisionSettings) -> list[str]:
+    allowed = {"max_hulls", "max_vertices"} if settings.shape in DECOMPOSED else set()
+    if settings.shape is CollisionShape.HULL:
         allowed = {"max_vertices"}
     budgets = ("max_hulls", "max_vertices")
-    return [name for name in budgets if getattr(given, name) is not None and name not in allowed]
+    return [name for name in budgets if getattr(settings, name) is not None and name not in allowed]

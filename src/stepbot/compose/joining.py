@@ -138,7 +138,7 @@ class _Joining:
                 pairs.add((a, b))
         return tuple(sorted(pairs))
 
-    def _simulation(self, whole: Robot) -> Simulation:
+    def _simulation(self, robot: Robot) -> Simulation:
         """The settings of this file, else those that every module can be simulated with."""
         own = build_simulation(self._document)
         stated = {name: part.robot.simulation for name, part in self._parts.items()}
@@ -149,7 +149,7 @@ class _Joining:
             message = f"modules: different integrators: {uses}"
             self._diagnostics.add("SB154", message, self._sidecar.key_span("modules"), help=help)
         steps = [one.timestep for one in stated.values() if one.timestep is not None]
-        constrained = bool(whole.closures) or any(joint.mimic is not None for joint in whole.joints)
+        constrained = bool(robot.closures) or any(joint.mimic is not None for joint in robot.joints)
         if steps and constrained and any(one.timestep is None for one in stated.values()):
             steps.append(SHORT_TIMESTEP)
         stiffnesses = [one.closure_stiffness for one in stated.values() if one.closure_stiffness is not None]
@@ -159,7 +159,7 @@ class _Joining:
             own.closure_stiffness or min(stiffnesses, default=None),
         )
 
-    def _with_own_devices(self, whole: Robot) -> Robot:
+    def _with_own_devices(self, robot: Robot) -> Robot:
         """The robot with the closures, frames, actuators and sensors of this file that are on modules."""
         document = self._document
         there = elements(self._own) if self._own is not None else {}
@@ -171,31 +171,31 @@ class _Joining:
         closures = [self._closure(name, document.closures[name]) for name in new("closures")]
         frames = [self._frame(name) for name in new("frames")]
         actuators = [
-            self._actuator(actuator, whole)
+            self._actuator(actuator, robot)
             for actuator in build_actuators(self._sidecar)
             if actuator.name in new("actuators")
         ]
-        sensors = [self._sensor(name, whole) for name in new("sensors")]
+        sensors = [self._sensor(name, robot) for name in new("sensors")]
         return replace(
-            whole,
-            closures=(*whole.closures, *_present(closures)),
-            frames=(*whole.frames, *_present(frames)),
-            actuators=(*whole.actuators, *_present(actuators)),
-            sensors=(*whole.sensors, *_present(sensors)),
+            robot,
+            closures=(*robot.closures, *_present(closures)),
+            frames=(*robot.frames, *_present(frames)),
+            actuators=(*robot.actuators, *_present(actuators)),
+            sensors=(*robot.sensors, *_present(sensors)),
         )
 
-    def _with_closed_loops(self, whole: Robot) -> Robot:
+    def _with_closed_loops(self, robot: Robot) -> Robot:
         """The robot with both frames of each closure between modules at one place, if the closure lets them turn."""
         own = self._own.closures if self._own is not None else ()
         new = set(self._document.closures) - {one.name for one in own}
         if not new:
-            return whole
-        X = link_poses(whole, initial_configuration(whole))
+            return robot
+        X = link_poses(robot, initial_configuration(robot))
         closures = (
             coinciding(closure, X[closure.link_a].inverse() @ X[closure.link_b]) if closure.name in new else closure
-            for closure in whole.closures
+            for closure in robot.closures
         )
-        return replace(whole, closures=tuple(closures))
+        return replace(robot, closures=tuple(closures))
 
     def _closure(self, name: str, section: ClosureSection) -> LoopClosure | None:
         a, b = (self._ports.port(getattr(section, side), ("closures", name, side)) for side in ("link_a", "link_b"))
@@ -214,12 +214,12 @@ class _Joining:
         port = self._ports.port(name, ("frames", name))
         return None if port is None else Frame(name, port.link, tidy(port.X_LP))
 
-    def _actuator(self, actuator: Actuator, whole: Robot) -> Actuator | None:
+    def _actuator(self, actuator: Actuator, robot: Robot) -> Actuator | None:
         keys = ("actuators", actuator.name)
         joint = self._ports.joint(actuator.joint, (*keys, "joint"))
         if joint is None:
             return None
-        driven, who = whole.joint_by_name[joint], f"actuator '{actuator.name}': joint '{actuator.joint}'"
+        driven, who = robot.joint_by_name[joint], f"actuator '{actuator.name}': joint '{actuator.joint}'"
         span = self._sidecar.span(*keys, "joint")
         if driven.kind not in ONE_FREEDOM:
             help = [f"types that can be actuated: {', '.join(ONE_FREEDOM)}"]
@@ -228,21 +228,21 @@ class _Joining:
             leader = self._ports.path(driven.mimic.joint)
             message = f"{who} mimics joint '{leader}' and cannot be actuated"
             self._diagnostics.add("SB459", message, span, help=[f"use joint '{leader}' instead"])
-        for first in whole.actuators:
+        for first in robot.actuators:
             if (first.joint, first.kind) == (joint, actuator.kind):
                 message = f"{who}: duplicate {actuator.kind} actuator (the module's own is '{first.name}')"
                 help = [f"remove it, or leave the other out: `without: [{first.name}]`, by its name in its own file"]
                 self._diagnostics.add("SB459", message, span, help=help)
         return replace(actuator, joint=joint)
 
-    def _sensor(self, name: str, whole: Robot) -> Sensor | None:
+    def _sensor(self, name: str, robot: Robot) -> Sensor | None:
         section, keys = self._document.sensors[name], ("sensors", name)
         joint, port = "", Port("")
         if section.joint is not None:
             written = self._ports.joint(section.joint, (*keys, "joint"))
             if written is None:
                 return None
-            joint, port = written, Port(whole.joint_by_name[written].child)
+            joint, port = written, Port(robot.joint_by_name[written].child)
         elif section.link is not None:
             placed = self._ports.placed(section.link, section.origin, keys)
             if placed is None:

@@ -47,14 +47,14 @@ def actuators_of(
     return tuple(actuators)
 
 
-def _without_alternatives(seen: Observation, findings: list[Finding]) -> list[ObservedActuator]:
+def _without_alternatives(observation: Observation, findings: list[Finding]) -> list[ObservedActuator]:
     """The actuators without the further command interfaces of a URDF's joint: ros2_control claims one at a time.
 
     Of those without a transmission the first of position, velocity and effort stays, if no transmission drives the
     joint: together, a velocity input of 0 would brake what the position input moves.
     """
-    every, order = list(seen.actuators or ()), [kind.value for kind in ActuatorKind]
-    if seen.format != "urdf":
+    every, order = list(observation.actuators or ()), [kind.value for kind in ActuatorKind]
+    if observation.format != "urdf":
         return every
     claimed: dict[str, ObservedActuator] = {}
     for one in sorted(

@@ -198,9 +198,9 @@ class Described(Struct, frozen=True):
     surroundings: frozenset[str]
     """Links of the file that are not part of the robot."""
 
-    def of_robot(self, seen: Observation) -> Observation:
+    def of_robot(self, observation: Observation) -> Observation:
         """What an engine reports about the file, without the surroundings."""
-        return seen.without(self.surroundings, self.robot.base) if self.surroundings else seen
+        return observation.without(self.surroundings, self.robot.base) if self.surroundings else observation
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -340,28 +340,28 @@ def _without_world(robot: Robot, findings: list[Finding]) -> Robot:
     return below_world
 
 
-def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
+def _excluded(robot: Robot, observation: Observation) -> tuple[tuple[str, str], ...]:
     """Pairs of links that are not adjacent whose contacts the file excludes."""
     ours = without_contacts(robot)
-    return tuple(sorted(pair for pair in seen.excluded_pairs or () if frozenset(pair) not in ours))
+    return tuple(sorted(pair for pair in observation.excluded_pairs or () if frozenset(pair) not in ours))
 
 
-def _report_contacts(robot: Robot, seen: Observation, findings: list[Finding]) -> None:
+def _report_contacts(robot: Robot, observation: Observation, findings: list[Finding]) -> None:
     """Adjacent links that collide in the file, and links that have shapes there alone.
 
     In MuJoCo, a base that is fixed to the world collides with the links next to it, and the world of a file may have
     shapes of its own.
     """
-    if seen.excluded_pairs is None:
+    if observation.excluded_pairs is None:
         return
     solid = {link.name for link in robot.links if link.collisions}
-    kept = {frozenset(pair) for pair in seen.excluded_pairs}
+    kept = {frozenset(pair) for pair in observation.excluded_pairs}
     pairs = sorted(tuple(sorted(pair)) for pair in neighbours(robot) - kept if pair <= solid)
     if pairs:
         links = ", ".join(f"'{a}' and '{b}'" for a, b in pairs)
         text = f"contacts between adjacent links, which the written files exclude: {links}"
         findings.append(Finding(LOST, text, (Quantity.CONTACTS,)))
-    bare = sorted({link for pair in seen.excluded_pairs for link in pair} - solid)
+    bare = sorted({link for pair in observation.excluded_pairs for link in pair} - solid)
     if bare:
         links = ", ".join(f"'{link}'" for link in bare)
         text = f"contacts with shapes that are not converted, of links {links}"

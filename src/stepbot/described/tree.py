@@ -204,14 +204,14 @@ def _differing(joint: ObservedJoint) -> bool:
     return not (bare and free)
 
 
-def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, findings: list[Finding]) -> Joint:
-    known = seen.kind in set(JointKind)
-    kind = JointKind(seen.kind) if known else JointKind.FIXED
+def _joint(joint: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, findings: list[Finding]) -> Joint:
+    known = joint.kind in set(JointKind)
+    kind = JointKind(joint.kind) if known else JointKind.FIXED
     if not known:
         findings.append(
-            Finding(UNSUPPORTED, f"joint '{name}' of type '{seen.kind}' is not supported: fixed in its place")
+            Finding(UNSUPPORTED, f"joint '{name}' of type '{joint.kind}' is not supported: fixed in its place")
         )
-    limit = seen.limit or Limit()
+    limit = joint.limit or Limit()
     unknown = [field for field, _ in _UNLIMITED if isnan(getattr(limit, field))]
     if unknown:
         text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
@@ -227,7 +227,7 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
         text = f"joint '{name}': the cone of {limit.upper:g} rad that limits it: not converted"
         findings.append(Finding(LOST, text, (Quantity.JOINTS, Quantity.LIMITS)))
         limit = replace(limit, lower=-inf, upper=inf)
-    axis = seen.axis or (0.0, 0.0, 1.0)
+    axis = joint.axis or (0.0, 0.0, 1.0)
     if kind.has_axis and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
         findings.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))
         kind = JointKind.FIXED
@@ -240,17 +240,17 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
         child,
         X_PC,
         axis,
-        seen.axis2 or (1.0, 0.0, 0.0),
+        joint.axis2 or (1.0, 0.0, 0.0),
         Limit(*(none if isnan(bound := getattr(limit, field)) else bound for field, none in _UNLIMITED)),
-        _dynamics(seen.dynamics or JointDynamics()),
-        seen.mimic if kind in MOVING else None,
-        seen.pitch or 0.0,
+        _dynamics(joint.dynamics or JointDynamics()),
+        joint.mimic if kind in MOVING else None,
+        joint.pitch or 0.0,
     )
 
 
-def _dynamics(seen: JointDynamics) -> JointDynamics:
+def _dynamics(dynamics: JointDynamics) -> JointDynamics:
     """Passive forces; the rest position of a spring without stiffness has no meaning."""
-    values = asdict(seen)
+    values = asdict(dynamics)
     known = {name: 0.0 if isnan(value) else value for name, value in values.items()}
     return JointDynamics(**(known if known["stiffness"] else {**known, "spring_reference": 0.0}))
 

@@ -45,11 +45,11 @@ class Facts(Struct, frozen=True):
     root: int = -1
     """Index of a component of the root link; -1 if unknown."""
 
-    def with_joint(self, known: KnownJoint) -> "Facts":
+    def with_joint(self, joint: KnownJoint) -> "Facts":
         """These and a joint; a fixed one makes its parts a rigid pair."""
-        if known.type == JointKind.FIXED:
-            return replace(self, rigid=(*self.rigid, (known.a, known.b)))
-        return replace(self, joints=(*self.joints, known))
+        if joint.type == JointKind.FIXED:
+            return replace(self, rigid=(*self.rigid, (joint.a, joint.b)))
+        return replace(self, joints=(*self.joints, joint))
 
 
 NO_FACTS = Facts()

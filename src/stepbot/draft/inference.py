@@ -138,25 +138,28 @@ def _infer(
     return replace(_arranged(made, structure, motors, facts), pivots=pivots)
 
 
-def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
-    mechanism = Mechanism(made, structure)
-    if facts.root in made.clusters:
-        root = made.clusters.find(facts.root)
+def _arranged(decision: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
+    mechanism = Mechanism(decision, structure)
+    if facts.root in decision.clusters:
+        root = decision.clusters.find(facts.root)
     else:
-        root = find_root(made, structure, mechanism.joints, motors)
+        root = find_root(decision, structure, mechanism.joints, motors)
     mark_geared(
-        made.survey, [(j.evidence, made.clusters.members(j.a), made.clusters.members(j.b)) for j in mechanism.joints]
+        decision.survey,
+        [(j.evidence, decision.clusters.members(j.a), decision.clusters.members(j.b)) for j in mechanism.joints],
     )
     slide_in_struts(mechanism.joints)
     stop_spinning_rods(mechanism.joints, root)
-    LooseEnds(made, mechanism, structure).tie(root)
-    groups = made.clusters.groups()
+    LooseEnds(decision, mechanism, structure).tie(root)
+    groups = decision.clusters.groups()
     number = {cluster: n for n, cluster in enumerate(groups)}
     joints = one_per_pair([j for j in mechanism.joints if j.a != j.b])
-    arcs = spanning_tree(joints, number, number[made.clusters.find(root)])
-    choose_slides(made.survey, arcs)
-    note_doubts(arcs, structure, lambda i: number[made.clusters.find(i)], has_drives=bool(motors))
-    largest = {root: max(members, key=lambda i: (made.survey.parts[i].volume, -i)) for root, members in groups.items()}
+    arcs = spanning_tree(joints, number, number[decision.clusters.find(root)])
+    choose_slides(decision.survey, arcs)
+    note_doubts(arcs, structure, lambda i: number[decision.clusters.find(i)], has_drives=bool(motors))
+    largest = {
+        root: max(members, key=lambda i: (decision.survey.parts[i].volume, -i)) for root, members in groups.items()
+    }
     used = {id(arc.evidence) for arc in arcs}
     offered = [h for h in mechanism.offered if id(h) not in used]
     for arc in arcs:
@@ -166,10 +169,14 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
             # Sides that end beside each other about one axis turn; a face on a face may be a foot.
             h.score = CHOSEN if h.relation is not None and h.relation.via == Via.SEAM else h.score
         # The axis may be that of a motor, whose output is drawn off what it carries.
-        off = made.survey.drawn_off([h.a, h.b, *(largest[made.clusters.find(i)] for i in (h.a, h.b))], h.axis.point)
+        off = decision.survey.drawn_off(
+            [h.a, h.b, *(largest[decision.clusters.find(i)] for i in (h.a, h.b))], h.axis.point
+        )
         if off > SAME_LINE:
             apart = f"its sides are drawn {1e3 * off:.2g} mm off each other"
             h.review = f"{h.review}; {apart}" if h.review else apart
     links = list(groups.values())
-    welds = [weld for weld in made.evidence.welds if weld.verdict is Verdict.TAKEN]
-    return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses, welds)
+    welds = [weld for weld in decision.evidence.welds if weld.verdict is Verdict.TAKEN]
+    return Inferred(
+        decision.survey, links, number[decision.clusters.find(root)], arcs, offered, motors, decision.guesses, welds
+    )

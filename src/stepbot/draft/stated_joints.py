@@ -260,14 +260,14 @@ def _kind(pair: KinematicPair) -> tuple[JointKind, Array, Array]:
             return JointKind.FLOATING, none, none
 
 
-def _drawn_position(kind: JointKind, axis: Array, drawn: Pose) -> float:
+def _drawn_position(kind: JointKind, axis: Array, pose: Pose) -> float:
     """Position [rad or m] of a joint with one degree of freedom, from the second placement in the first."""
     if kind is JointKind.PRISMATIC:
-        return round(float(drawn.p @ axis), 9) + 0.0
+        return round(float(pose.p @ axis), 9) + 0.0
     if not kind.is_hinge:
         return 0.0
     u = np.roll(axis, 1)  # the next of x, y, z: perpendicular to the axis
-    turned = drawn.turn(u)
+    turned = pose.turn(u)
     return round(atan2(float(turned @ np.cross(axis, u)), float(turned @ u)), 9) + 0.0
 
 

@@ -43,11 +43,11 @@ class _Comparison:
     def __init__(self, sidecar: Sidecar, robot: Robot, matches: _MATCHES, diagnostics: Diagnostics) -> None:
         self._sidecar, self._robot, self._matches, self._diagnostics = sidecar, robot, matches, diagnostics
 
-    def run(self, wanted: ExpectSection) -> None:
+    def run(self, section: ExpectSection) -> None:
         total, com = whole(self._robot)
-        self._mass(("expect", "mass"), "the robot", wanted.mass, total)
-        self._com(("expect", "com"), "the robot", wanted.com, com)
-        for name, link in wanted.links.items():
+        self._mass(("expect", "mass"), "the robot", section.mass, total)
+        self._com(("expect", "com"), "the robot", section.com, com)
+        for name, link in section.links.items():
             one = self._robot.link_by_name.get(named(self._robot, name))
             keys = ("expect", "links", name)
             if one is None:
@@ -55,12 +55,12 @@ class _Comparison:
                 continue
             self._mass((*keys, "mass"), f"link '{name}'", link.mass, one.mass_properties.mass)
             self._com((*keys, "com"), f"link '{name}'", link.com, np.array(one.mass_properties.com))
-        for path, part in wanted.parts.items():
+        for path, part in section.parts.items():
             self._part(path, part.mass)
-        if wanted.reach is not None:
-            self._reach(wanted.reach)
-        if wanted.symmetry is not None:
-            self._symmetry(wanted.symmetry, mirrored(self._robot, wanted.symmetry))
+        if section.reach is not None:
+            self._reach(section.reach)
+        if section.symmetry is not None:
+            self._symmetry(section.symmetry, mirrored(self._robot, section.symmetry))
 
     def _part(self, path: str, wanted: ExpectedMass) -> None:
         keys = ("expect", "parts", path)

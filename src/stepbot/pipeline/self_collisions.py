@@ -16,7 +16,7 @@ from .conversion import Options
 
 
 def with_self_collision(
-    robot: Robot, wanted: SelfCollisionSection, options: Options, diagnostics: Diagnostics, *, keep_some: bool = False
+    robot: Robot, section: SelfCollisionSection, options: Options, diagnostics: Diagnostics, *, keep_some: bool = False
 ) -> Robot:
     """The robot with the pairs of links that can overlap; pairs that always do are reported.
 
@@ -31,7 +31,7 @@ def with_self_collision(
         diagnostics.add("SB817", f"self-collision: {reason}", span)
         return robot
     try:
-        searched = find_self_collision(robot, wanted.samples, options.cache, options.workers)
+        searched = find_self_collision(robot, section.samples, options.cache, options.workers)
     except WorkerDied as death:
         diagnostics.add("SB817", f"self-collision: {death.reason}", span, notes=death.last_lines)
         return robot
@@ -41,11 +41,11 @@ def with_self_collision(
         diagnostics.add("SB808", f"{error.text} in the drawn pose", span)
         diagnostics.raise_if_errors()
         return robot
-    exclude = tuple(PairClass(kind.value) for kind in dict.fromkeys(wanted.exclude))
+    exclude = tuple(PairClass(kind.value) for kind in dict.fromkeys(section.exclude))
     if keep_some and not searched.of_class(PairClass.SOMETIMES):
         exclude = tuple(kind for kind in exclude if kind is not PairClass.NEVER)
     searched = replace(searched, exclude=exclude)
-    _report(searched, wanted.samples, frozenset(map(frozenset, robot.excluded_contacts)), span, diagnostics)
+    _report(searched, section.samples, frozenset(map(frozenset, robot.excluded_contacts)), span, diagnostics)
     return replace(robot, self_collision=searched)
 
 

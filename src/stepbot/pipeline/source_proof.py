@@ -65,7 +65,7 @@ def compared_with_source(
     path: Path,
     description: Description,
     described: Described,
-    written: Rendered,
+    rendered: Rendered,
     report: Report,
     options: Options,
     diagnostics: Diagnostics,
@@ -77,12 +77,12 @@ def compared_with_source(
     """
     with TemporaryDirectory(dir=run_folder()) as folder:
         place = Path(folder) / (options.package or options.gazebo)  # where meshes are found by the name of the folder
-        write_atomically(joined(written.by_format), place)
+        write_atomically(joined(rendered.by_format), place)
         files = {
-            place / (file := next(iter(written.by_format[name]))): Converted(
-                file, _given_names(written.robot, one), _lost_by(written.losses[name])
+            place / (file := next(iter(rendered.by_format[name]))): Converted(
+                file, _given_names(rendered.robot, one), _lost_by(rendered.losses[name])
             )
-            for name, one in written.lowered.items()
+            for name, one in rendered.lowered.items()
         }
         source, chains = path, _chains(description, described)
         if description.expanded:

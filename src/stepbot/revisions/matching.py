@@ -204,9 +204,9 @@ class _Matching:
         return [theirs[k] for k in np.flatnonzero(distances <= reach).tolist()]
 
 
-def _centroids(taken: Snapshot) -> Array:
+def _centroids(snapshot: Snapshot) -> Array:
     """Centroids (n, 3) [m] of all parts."""
-    centroids = [centroid(part, taken.shape_of(index)) for index, part in enumerate(taken.parts)]
+    centroids = [centroid(part, snapshot.shape_of(index)) for index, part in enumerate(snapshot.parts)]
     return np.array(centroids).reshape(-1, 3)
 
 

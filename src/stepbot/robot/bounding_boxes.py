@@ -134,15 +134,15 @@ def is_jaw(names: Iterable[str], lower: float, upper: float) -> bool:
     return upper - lower <= _WIDEST and any(_JAW.search(name) for name in names)
 
 
-def standing(robot: Robot, drawn: Configuration) -> tuple[float, float | None]:
+def standing(robot: Robot, configuration: Configuration) -> tuple[float, float | None]:
     """Height of the base, and how far the com is inside the polygon of the links that stand on the floor.
 
     A link stands at the centre of its bounding box: exact for wheels and round feet.
     """
-    height, X = standing_height(robot, drawn), link_poses(robot, drawn)
+    height, X = standing_height(robot, configuration), link_poses(robot, configuration)
     feet = []
     for link in robot.links:
-        box = robot_bounds(robot, drawn, [link.name])
+        box = robot_bounds(robot, configuration, [link.name])
         if box is not None and box[0][2] + height <= _TOUCHING:
             feet.append([0.5 * (box[0][0] + box[1][0]), 0.5 * (box[0][1] + box[1][1])])
     total = exact_sum(link.mass_properties.mass for link in robot.links)

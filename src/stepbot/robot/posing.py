@@ -28,7 +28,7 @@ def leader_of(robot: Robot, name: str) -> str:
     return mimic_relation(robot, name)[0]
 
 
-def posed(robot: Robot, given: Configuration) -> dict[str, float]:
+def posed(robot: Robot, configuration: Configuration) -> dict[str, float]:
     """Positions of all moving joints with some at given positions and the others as drawn, or as loops require.
 
     The given joints move on a straight path from the drawn pose, so that the mechanism stays on its branch; other
@@ -43,21 +43,21 @@ def posed(robot: Robot, given: Configuration) -> dict[str, float]:
     """
     drawn = initial_configuration(robot)
     if not robot.closures:
-        return complete(robot, {**drawn, **given})
-    complete(robot, given)  # for its KeyError
+        return complete(robot, {**drawn, **configuration})
+    complete(robot, configuration)  # for its KeyError
     loops = Loops(robot)
-    free = _followers(loops, drawn, list(given))
+    free = _followers(loops, drawn, list(configuration))
     held = [name for i, name in enumerate(loops.tree.independent) if i not in free]
     start = loops.tree.vector(close_loops(robot, drawn, held))
-    way = walk(loops, start, free, given) if given else []
+    way = walk(loops, start, free, configuration) if configuration else []
     reached = loops.tree.named(way[-1] if way else start)
-    if any(abs(reached[name] - value) > 1e-9 for name, value in given.items()):
-        raise NotReached({name: reached[name] for name in given})
+    if any(abs(reached[name] - value) > 1e-9 for name, value in configuration.items()):
+        raise NotReached({name: reached[name] for name in configuration})
     return reached
 
 
-def _followers(loops: Loops, drawn: Configuration, given: Sequence[str]) -> list[int]:
+def _followers(loops: Loops, configuration: Configuration, given: Sequence[str]) -> list[int]:
     """Indices of the independent joints that follow from the others: joints that are not given, the last ones first."""
     names = loops.tree.independent
-    _, J = loops.constraints(loops.tree.vector(drawn))
+    _, J = loops.constraints(loops.tree.vector(configuration))
     return independent_columns(J, (i for i in reversed(range(len(names))) if names[i] not in given))

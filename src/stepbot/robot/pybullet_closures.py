@@ -55,7 +55,9 @@ def loop_constraints(robot: "Robot") -> tuple[LoopConstraint, ...]:
     from .closures import held_by_a_point
 
     by_a_point = held_by_a_point(robot) if robot.closures else ()
-    return tuple(made for closure in robot.closures for made in constraints_of(closure, closure.name in by_a_point))
+    return tuple(
+        constraint for closure in robot.closures for constraint in constraints_of(closure, closure.name in by_a_point)
+    )
 
 
 def constraints_of(closure: "LoopClosure", by_a_point: bool) -> list[LoopConstraint]:

@@ -154,10 +154,12 @@ def _names(side: _Side) -> list[str]:
     return [joint.name for joint in side.above.values()]
 
 
-def _side(seen: Observation, known: dict[tuple[str, tuple[int, ...]], int]) -> _Side:
-    links = {link.name: link for link in seen.links}
-    above = {joint.child: joint for joint in seen.joints if joint.child in links}  # some engines read others, too
-    return _Side(links, above, seen.poses[0] if seen.poses else {}, known)
+def _side(observation: Observation, known: dict[tuple[str, tuple[int, ...]], int]) -> _Side:
+    links = {link.name: link for link in observation.links}
+    above = {
+        joint.child: joint for joint in observation.joints if joint.child in links
+    }  # some engines read others, too
+    return _Side(links, above, observation.poses[0] if observation.poses else {}, known)
 
 
 def _children(ours: _Side, theirs: _Side, a: str, b: str) -> list[tuple[str, str]]:

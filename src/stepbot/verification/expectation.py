@@ -79,11 +79,11 @@ def _free_followers(robot: Robot, written: Robot) -> Robot:
     return written if not written.closures or freed == written.joints else replace(written, joints=freed)
 
 
-def _followed(written: Robot, ways: Ways) -> Ways:
+def _followed(robot: Robot, ways: Ways) -> Ways:
     """Closed configurations with the followers where the mimics of the file have them."""
-    leaders = {joint.name for joint in independent_joints(written)}
+    leaders = {joint.name for joint in independent_joints(robot)}
     return tuple(
-        tuple(complete(written, {name: value for name, value in q.items() if name in leaders}) for q in way)
+        tuple(complete(robot, {name: value for name, value in q.items() if name in leaders}) for q in way)
         for way in ways
     )
 

@@ -18,20 +18,20 @@ def joint_rows_of(robot: Robot) -> tuple[JointRow, ...]:
     return joint_rows(observe_robot(robot, Request("", "", configurations=({},)), dynamics=False))
 
 
-def joint_rows(seen: Observation) -> tuple[JointRow, ...]:
+def joint_rows(observation: Observation) -> tuple[JointRow, ...]:
     """Every joint, then every closure, in the frame of the base.
 
     Args:
         seen: An observation of the file; its first configuration has all joints at 0.
     """
-    poses: Mapping[str, Pose] = seen.poses[0] if seen.poses else {}
+    poses: Mapping[str, Pose] = observation.poses[0] if observation.poses else {}
     rows = []
-    for joint in seen.joints:
+    for joint in observation.joints:
         X_BC = poses.get(joint.child)
         origin = None if X_BC is None else _tidy(X_BC.apply(joint.anchor))
         axis, axis2 = (_turned(X_BC, direction) for direction in (joint.axis, joint.axis2))
         rows.append(JointRow(joint.name, joint.kind, joint.parent, joint.child, origin, axis, axis2))
-    for closure in seen.closures or ():
+    for closure in observation.closures or ():
         X_BA = poses.get(closure.link_a)
         X_BF = None if X_BA is None or closure.X_AF is None else X_BA @ closure.X_AF
         origin = None if X_BF is None else _tidy(X_BF.position)

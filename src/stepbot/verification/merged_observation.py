@@ -53,7 +53,7 @@ def gather(outcomes: Sequence[Outcome]) -> Gathered:
     return Gathered(outcomes[0].key, outcomes[0].format, whole, added)
 
 
-def _given(seen: Observation) -> Observation:
+def _given(observation: Observation) -> Observation:
     """The observation without colours and contact properties that may be the engine's own."""
 
     def given(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
@@ -66,8 +66,10 @@ def _given(seen: Observation) -> Observation:
             for shape in shapes
         )
 
-    links = (replace(link, visuals=given(link.visuals), collisions=given(link.collisions)) for link in seen.links)
-    return replace(seen, links=tuple(links))
+    links = (
+        replace(link, visuals=given(link.visuals), collisions=given(link.collisions)) for link in observation.links
+    )
+    return replace(observation, links=tuple(links))
 
 
 def _filled(whole: Observation, other: Observation) -> tuple[Observation, set[Quantity]]:

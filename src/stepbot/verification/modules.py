@@ -69,11 +69,11 @@ _CHAINS = frozenset(suffix for kind in JointKind for suffix in kind.chain)
 """What the names of coordinates add to those of their joints."""
 
 
-def in_initial_pose(alone: Robot, whole: Robot, prefix: str, flips: Collection[str]) -> Robot:
+def in_initial_pose(alone: Robot, robot: Robot, prefix: str, flips: Collection[str]) -> Robot:
     """A module alone, in the initial pose that it has in the whole: some formats have their zeros there."""
     moved = []
     for joint in alone.joints:
-        here = whole.joint_by_name.get(prefix + joint.name, joint).drawn_position
+        here = robot.joint_by_name.get(prefix + joint.name, joint).drawn_position
         moved.append(replace(joint, drawn_position=0.0 - here if joint.name in flips else here))
     return alone if alone.joints == tuple(moved) else replace(alone, joints=tuple(moved))
 
@@ -96,7 +96,7 @@ def in_model(robot: Robot, modules: Sequence[Alone]) -> Iterator[tuple[Alone, Co
 
 
 def as_alone(
-    one: Alone, lowered: Robot, whole: Robot, observed: Observation, request: Request, reference: Reference
+    one: Alone, lowered: Robot, robot: Robot, observed: Observation, request: Request, reference: Reference
 ) -> Iterator[Compared]:
     """Compare what an engine reports of a module in a composed robot with the module alone.
 
@@ -113,20 +113,20 @@ def as_alone(
     steps = _steps(alone) if module.mirror else {}
     added = {joint.parent for joint in lowered.joints} - set(alone.link_by_name)  # within joints of several steps
     links = {name: name.removeprefix(module.prefix) for name in module.links}
-    links |= {name: link for link in added if (name := module.prefix + link) in whole.link_by_name}
-    above, root = {joint.child: joint.name for joint in whole.joints}, module.links[0]
+    links |= {name: link for link in added if (name := module.prefix + link) in robot.link_by_name}
+    above, root = {joint.child: joint.name for joint in robot.joints}, module.links[0]
     joints = {above[name]: "" for name in links if name != root and name in above}
     joints |= {
         above[name]: joint.name
         for joint in lowered.joints
         if (name := module.prefix + joint.child) in above and above[name] in joints
     }
-    mount = next((joint for joint in whole.joints if joint.child == root), None)
+    mount = next((joint for joint in robot.joints if joint.child == root), None)
     is_moved = mount is not None and mount.kind not in (JointKind.FIXED, JointKind.FLOATING)
     moving = [joint.name for joint in moving_joints(lowered)]
     configurations = [*request.configurations, *request.closed]  # as in the poses of an observation
     names = {name: _coordinate(name, joints) for name in dict.fromkeys(chain.from_iterable(configurations))}
-    images = _images(steps, module.mirror, lowered, whole, names)
+    images = _images(steps, module.mirror, lowered, robot, names)
 
     def of_alone(each: Mapping[str, float]) -> dict[str, float]:
         signed = {names[name]: -v if names[name] in flips else v for name, v in each.items() if names[name] in moving}
@@ -195,7 +195,7 @@ def _images(
     return images
 
 
-def _part(seen: Observation, links: Sequence[str], drives: Mapping[str, str], *, is_moved: bool) -> Observation:
+def _part(observation: Observation, links: Sequence[str], drives: Mapping[str, str], *, is_moved: bool) -> Observation:
     """What an observation has of a module: its links, the joints between them and their drives.
 
     Args:
@@ -206,24 +206,26 @@ def _part(seen: Observation, links: Sequence[str], drives: Mapping[str, str], *,
     """
     inside, first = set(links[is_moved:]), next(iter(links[is_moved:]), "")
     poses = []
-    for each in seen.poses:
+    for each in observation.poses:
         X_FW = each[first].inverse() if first in each else None
         poses.append({} if X_FW is None else {name: X_FW @ X for name, X in each.items() if name in inside})
-    known = tuple(link for link in seen.links if link.name in links)
+    known = tuple(link for link in observation.links if link.name in links)
     return Observation(
-        seen.engine,
-        seen.version,
-        seen.format,
+        observation.engine,
+        observation.version,
+        observation.format,
         links=tuple(link if link.name in inside else ObservedLink(link.name, link.mass) for link in known),
-        joints=tuple(joint for joint in seen.joints if joint.child in links[1:]),
+        joints=tuple(joint for joint in observation.joints if joint.child in links[1:]),
         poses=tuple(poses),
-        actuators=seen.actuators
-        and tuple(each for each in seen.actuators if each.joint in drives and each.name in ("", drives[each.joint])),
-        not_run=seen.not_run,
+        actuators=observation.actuators
+        and tuple(
+            each for each in observation.actuators if each.joint in drives and each.name in ("", drives[each.joint])
+        ),
+        not_run=observation.not_run,
     )
 
 
-def _reflected(seen: Observation, M: Array) -> Observation:
+def _reflected(observation: Observation, M: Array) -> Observation:
     """The mirror image of a part, each frame mirrored in its own coordinates."""
 
     def box(bounds: Bounds | None) -> Bounds | None:
@@ -253,8 +255,13 @@ def _reflected(seen: Observation, M: Array) -> Observation:
         axes = [axis and vector3(sign * (M @ np.array(axis))) for axis in (each.axis, each.axis2)]
         return replace(each, axis=axes[0], axis2=axes[1], pitch=each.pitch and -each.pitch)
 
-    poses = tuple({name: _image(X, M) for name, X in each.items()} for each in seen.poses)
-    return replace(seen, links=tuple(map(link, seen.links)), joints=tuple(map(joint, seen.joints)), poses=poses)
+    poses = tuple({name: _image(X, M) for name, X in each.items()} for each in observation.poses)
+    return replace(
+        observation,
+        links=tuple(map(link, observation.links)),
+        joints=tuple(map(joint, observation.joints)),
+        poses=poses,
+    )
 
 
 def _reversed(joint: ObservedJoint, flips: Collection[str]) -> ObservedJoint:

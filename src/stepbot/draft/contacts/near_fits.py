@@ -132,9 +132,7 @@ def _between(pair: Pair, one: _Round, two: _Round) -> list[NearFit]:
     best: list[NearFit] = []
     for n, m in sorted(np.argwhere(close).tolist(), key=lambda k: (round(float(apart[k[0], k[1]]), 9), k)):
         axis = Axis(one.points[n], one.directions[n])
-        if all(
-            axis.distance(known.axis.point) > _OTHER_LINE or not axis.is_along(known.axis.d, ANGLE) for known in best
-        ):
+        if all(axis.distance(fit.axis.point) > _OTHER_LINE or not axis.is_along(fit.axis.d, ANGLE) for fit in best):
             kind = FitKind.SHAFT if shafts[n, m] else FitKind.FLUSH if ends[n, m] else FitKind.HOLES
             other = Axis(two.points[m], two.directions[m])
             inner = pair[int(one.bores[n])] if kind == FitKind.SHAFT else -1

@@ -131,30 +131,30 @@ def _points(description: Description, names: Sequence[str]) -> dict[str, Array]:
     return {name: np.concatenate(points) for name, points in by_link.items()}
 
 
-def _link(seen: ObservedLink, points: Array, shift: Pose) -> SkeletonLink:
-    inertial = MassProperties.of(seen.mass or 0.0, seen.com or ZERO3, np.array(seen.inertia or ZERO33))
+def _link(link: ObservedLink, points: Array, shift: Pose) -> SkeletonLink:
+    inertial = MassProperties.of(link.mass or 0.0, link.com or ZERO3, np.array(link.inertia or ZERO33))
     back = shift.inverse()
-    return SkeletonLink(seen.name, inertial.moved(back), back.apply(points))
+    return SkeletonLink(link.name, inertial.moved(back), back.apply(points))
 
 
-def _joint(seen: ObservedJoint, X_PC: Pose) -> Joint:
-    kind = JointKind(seen.kind) if seen.kind in set(JointKind) else JointKind.FIXED
-    limit = seen.limit or Limit()
+def _joint(joint: ObservedJoint, X_PC: Pose) -> Joint:
+    kind = JointKind(joint.kind) if joint.kind in set(JointKind) else JointKind.FIXED
+    limit = joint.limit or Limit()
     if kind is JointKind.CONTINUOUS and np.isfinite([limit.lower, limit.upper]).any():
         kind = JointKind.REVOLUTE
-    mimic = seen.mimic
+    mimic = joint.mimic
     return Joint(
-        seen.name or f"{seen.child}_joint",
+        joint.name or f"{joint.child}_joint",
         kind,
-        seen.parent,
-        seen.child,
+        joint.parent,
+        joint.child,
         X_PC,
-        axis=seen.axis or (0.0, 0.0, 1.0),
-        axis2=seen.axis2 or (1.0, 0.0, 0.0),
+        axis=joint.axis or (0.0, 0.0, 1.0),
+        axis2=joint.axis2 or (1.0, 0.0, 0.0),
         limit=limit,
-        dynamics=seen.dynamics or JointDynamics(),
+        dynamics=joint.dynamics or JointDynamics(),
         mimic=mimic,
-        pitch=seen.pitch or 0.0,
+        pitch=joint.pitch or 0.0,
     )
 
 

@@ -79,13 +79,13 @@ def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decis
     return made
 
 
-def accept(made: Decision, one: Weld | JointEvidence | Apart) -> None:
+def accept(decision: Decision, one: Weld | JointEvidence | Apart) -> None:
     """Accept or reject one piece of evidence."""
-    clusters = made.clusters
+    clusters = decision.clusters
     if one.a not in clusters or one.b not in clusters:
         one.verdict = Verdict.REFUSED
     elif isinstance(one, Weld):
-        is_taken = not _locks(made, one) and clusters.join(one.a, one.b)
+        is_taken = not _locks(decision, one) and clusters.join(one.a, one.b)
         one.verdict = Verdict.TAKEN if is_taken else Verdict.REFUSED
     elif isinstance(one, Apart):
         one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
@@ -93,29 +93,29 @@ def accept(made: Decision, one: Weld | JointEvidence | Apart) -> None:
         one.verdict = Verdict.OFFERED
     else:
         one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
-        if one.verdict == Verdict.TAKEN and _is_implied(made, one):
+        if one.verdict == Verdict.TAKEN and _is_implied(decision, one):
             one.verdict = Verdict.REPEATED
         elif one.verdict == Verdict.TAKEN and one.type in (JointKind.REVOLUTE, JointKind.PRISMATIC):
-            made.hinges[one.a].append(one)
-            made.hinges[one.b].append(one)
+            decision.hinges[one.a].append(one)
+            decision.hinges[one.b].append(one)
 
 
-def _beside(made: Decision, a: int, b: int) -> Iterator[tuple[list[JointEvidence], list[JointEvidence]]]:
+def _beside(decision: Decision, a: int, b: int) -> Iterator[tuple[list[JointEvidence], list[JointEvidence]]]:
     """The accepted hinges and slides of two clusters on each link that both are joined to."""
-    clusters = made.clusters
+    clusters = decision.clusters
     for common in sorted(clusters.apart_from_both(a, b)):
         one, two = (
-            [h for i in members for h in made.hinges.get(i, ()) if common in map(clusters.find, (h.a, h.b))]
+            [h for i in members for h in decision.hinges.get(i, ()) if common in map(clusters.find, (h.a, h.b))]
             for members in map(clusters.members, (a, b))
         )
         yield one, two
 
 
-def _locks(made: Decision, weld: Weld) -> bool:
+def _locks(decision: Decision, weld: Weld) -> bool:
     """Whether a weld would lock firmer joints: hinges and slides of its two clusters on one link leave no motion."""
-    if weld.priority is not Priority.FOUND or made.clusters.find(weld.a) == made.clusters.find(weld.b):
+    if weld.priority is not Priority.FOUND or decision.clusters.find(weld.a) == decision.clusters.find(weld.b):
         return False
-    return any(_exclude(h, k) for one, two in _beside(made, weld.a, weld.b) for h in one for k in two)
+    return any(_exclude(h, k) for one, two in _beside(decision, weld.a, weld.b) for h in one for k in two)
 
 
 def _exclude(one: JointEvidence, two: JointEvidence) -> bool:
@@ -124,22 +124,22 @@ def _exclude(one: JointEvidence, two: JointEvidence) -> bool:
     return not one.axis.same(two.axis, SAME_LINE)
 
 
-def _is_implied(made: Decision, h: JointEvidence) -> bool:
+def _is_implied(decision: Decision, h: JointEvidence) -> bool:
     """Whether firmer joints let a shaft turn and slide in its bore already: a screw in its nut holds neither."""
     if h.type is not JointKind.REVOLUTE or h.relation is None or h.relation.freedom.kind != FreedomKind.CYLINDRICAL:
         return False
     return any(
         any(k.type is JointKind.REVOLUTE and k.axis.same(h.axis, SAME_LINE) for k in turning)
         and any(k.type is JointKind.PRISMATIC and k.axis.is_along(h.axis.d) for k in sliding)
-        for sides in _beside(made, h.a, h.b)
+        for sides in _beside(decision, h.a, h.b)
         for turning, sliding in (sides, sides[::-1])
     )
 
 
-def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
+def _homeless_motors(decision: Decision, motors: Sequence[Motor]) -> None:
     """Assign an unsupported motor, drawn without its screws, to the nearest part, not to the part it drives."""
-    survey, clusters = made.survey, made.clusters
-    carried = {x for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.holds_motor for x in (w.a, w.b)}
+    survey, clusters = decision.survey, decision.clusters
+    carried = {x for w in decision.evidence.welds if w.verdict == Verdict.TAKEN and w.holds_motor for x in (w.a, w.b)}
     for motor in motors:
         case = motor.case
         own = clusters.members(case) if case not in survey.small else []
@@ -148,30 +148,30 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
         least = 0.0 if motor.is_named else _OWN_BODIES * survey.parts[case].volume
         if not own or (motor.is_named and case in carried) or survey.total_volume(others) > least:
             continue
-        turned = [h for h in made.joints if h.drives and h.a == case]
+        turned = [h for h in decision.joints if h.drives and h.a == case]
         apart = [(survey.parts[h.b].com - survey.parts[case].com) @ h.axis.d for h in turned if h.b not in motor.parts]
         if apart and min(apart) < 0.0 < max(apart):
             continue  # held at both ends of its axis
         outputs = {clusters.find(h.b) for h in turned}
         if any(
-            {h.a, h.b}.intersection(own) and outputs.isdisjoint(map(clusters.find, (h.a, h.b))) for h in made.joints
+            {h.a, h.b}.intersection(own) and outputs.isdisjoint(map(clusters.find, (h.a, h.b))) for h in decision.joints
         ):
             continue
-        best = _nearest_apart(made, own, 0.5 * survey.parts[case].size)
+        best = _nearest_apart(decision, own, 0.5 * survey.parts[case].size)
         if best is not None and clusters.join(case, best):
-            made.guess(own, "unsupported motor: assigned to the nearest part")
+            decision.guess(own, "unsupported motor: assigned to the nearest part")
 
 
-def _bare_outputs(made: Decision) -> None:
+def _bare_outputs(decision: Decision) -> None:
     """Assign the nearest larger body that nothing connects to the motor to an output that carries nothing.
 
     An arm may be drawn around its horn, so that the two overlap and no faces are in contact.
     """
-    survey, clusters = made.survey, made.clusters
+    survey, clusters = decision.survey, decision.clusters
     tied = Clusters(clusters.groups())
-    for h in made.joints:
+    for h in decision.joints:
         tied.join(clusters.find(h.a), clusters.find(h.b))
-    for h in made.joints:
+    for h in decision.joints:
         own = clusters.members(h.b)
         volume = survey.total_volume(own)
         if not h.drives or volume > _OWN_BODIES * survey.parts[h.a].volume:
@@ -196,12 +196,12 @@ def _bare_outputs(made: Decision) -> None:
             if clusters.join(h.b, best[-1]):
                 tied.join(*roots)
                 h.review = h.review or _REVIEW_BESIDE
-                made.guess(members, "not connected: assigned to the output of a motor beside it")
+                decision.guess(members, "not connected: assigned to the output of a motor beside it")
 
 
-def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | None:
+def _nearest_apart(decision: Decision, own: Sequence[int], reach: float) -> int | None:
     """The part with the nearest faces within reach [m] of a cluster that no joint keeps apart from it."""
-    survey, clusters = made.survey, made.clusters
+    survey, clusters = decision.survey, decision.clusters
     box, drawn = survey.box_of(own), [i for i in own if survey.parts[i].size]
     ranked = []
     for i in survey.parts_near(box, reach):
@@ -214,13 +214,13 @@ def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | No
     return best if gap < reach else None
 
 
-def _join_surfaces(made: Decision) -> set[int]:
+def _join_surfaces(decision: Decision) -> set[int]:
     """Join surface bodies that nothing holds to the solid of the part that they belong to; returns them."""
-    clusters, parts, joined = made.clusters, made.survey.parts, set()
+    clusters, parts, joined = decision.clusters, decision.survey.parts, set()
     for i, part in parts.items():
         if part.volume or len(clusters.members(i)) > 1:
             continue
-        solids = [k for k in made.survey.bodies_of_same_part(i) if parts[k].volume]
+        solids = [k for k in decision.survey.bodies_of_same_part(i) if parts[k].volume]
         if solids and len({clusters.find(k) for k in solids}) == 1 and clusters.join(solids[0], i):
             joined.add(i)
     return joined
@@ -233,10 +233,10 @@ def _tightness(r: Relation) -> tuple[float, ...]:
     return bool(shafts), -round(clearance, 6), round(length, 6), round(r.area, 9)
 
 
-def adopt(made: Decision, structure: Structure) -> None:
+def adopt(decision: Decision, structure: Structure) -> None:
     """Assign small unconnected clusters to the nearest cluster, of the same subassembly if there is one."""
-    survey, clusters = made.survey, made.clusters
-    jointed = {x for h in made.joints for x in (h.a, h.b)}
+    survey, clusters = decision.survey, decision.clusters
+    jointed = {x for h in decision.joints for x in (h.a, h.b)}
     adopted: dict[int, tuple[list[int], int]] = {}
     for root, members in clusters.groups().items():
         if jointed.intersection(members) or any({Role.WHEEL, Role.JAW} & structure.names(i) for i in members):
@@ -245,19 +245,19 @@ def adopt(made: Decision, structure: Structure) -> None:
             target = nearest(survey, members)
             if target is not None:
                 adopted[root] = members, target
-    _offer_twins(made, adopted)
+    _offer_twins(decision, adopted)
     for members, target in adopted.values():
         if clusters.join(target, members[0]):
-            made.guess(members, "not connected: assigned to the nearest part")
+            decision.guess(members, "not connected: assigned to the nearest part")
 
 
-def _offer_twins(made: Decision, adopted: Mapping[int, tuple[Sequence[int], int]]) -> None:
+def _offer_twins(decision: Decision, adopted: Mapping[int, tuple[Sequence[int], int]]) -> None:
     """Offer the motion of equal small bodies that reach out of the body that they are assigned to."""
-    survey = made.survey
+    survey = decision.survey
     free = {root: members for root, (members, _) in adopted.items() if not survey.small.issuperset(members)}
     floating = {i for members in free.values() for i in members}
     host = {root: nearest(survey, members, floating) for root, members in free.items()}
-    carrier = {root: made.clusters.members(part) if part is not None else [] for root, part in host.items()}
+    carrier = {root: decision.clusters.members(part) if part is not None else [] for root, part in host.items()}
     for root, guess in guesses(survey, free, carrier).items():
         box, around = survey.box_of(free[root]), survey.box_of(carrier[root])
         part = host[root]
@@ -266,7 +266,7 @@ def _offer_twins(made: Decision, adopted: Mapping[int, tuple[Sequence[int], int]
             offered = JointEvidence(
                 _OFFERED, a, b, guess.kind, guess.axis, guess.why, review=BY_SHAPE, verdict=Verdict.OFFERED
             )
-            made.evidence.joint(offered)
+            decision.evidence.joint(offered)
 
 
 def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()) -> int | None:

@@ -194,50 +194,53 @@ class _Seam(Struct, frozen=True, eq=False):
     """Whether they meet end to end."""
 
 
-def tie_by_seams(made: Decision) -> None:
+def tie_by_seams(decision: Decision) -> None:
     """Add joints to clusters that are not connected to the rest."""
-    survey, groups = made.survey, made.clusters.groups()
+    survey, groups = decision.survey, decision.clusters.groups()
     big = {
         root: members
         for root, members in groups.items()
         if len(groups) < 12 or survey.total_volume(members) > _TINY * survey.volume
     }
     tied = Clusters(groups)
-    for h in made.joints:
-        tied.join(made.clusters.find(h.a), made.clusters.find(h.b))
+    for h in decision.joints:
+        tied.join(decision.clusters.find(h.a), decision.clusters.find(h.b))
     if _is_one(tied, big):
         return
-    for h in made.evidence.weaker_joints(_WEAKEST):
-        _tie(made, tied, h, ONLY_CONNECTION)
+    for h in decision.evidence.weaker_joints(_WEAKEST):
+        _tie(decision, tied, h, ONLY_CONNECTION)
     if _is_one(tied, big):
         return
-    seams = _Seams(made, big)
+    seams = _Seams(decision, big)
     for bar, other in seams.butts():
-        if made.clusters.join(bar, other):
-            tied.join(made.clusters.find(bar), made.clusters.find(other))
-            made.guess([bar], _AT_END)
+        if decision.clusters.join(bar, other):
+            tied.join(decision.clusters.find(bar), decision.clusters.find(other))
+            decision.guess([bar], _AT_END)
     across = seams.joints()
     for h in across:
-        made.evidence.joint(h)
-        if tied.find(made.clusters.find(h.a)) != tied.find(made.clusters.find(h.b)) and _is_beside_motor(
-            made, h, across
+        decision.evidence.joint(h)
+        if tied.find(decision.clusters.find(h.a)) != tied.find(decision.clusters.find(h.b)) and _is_beside_motor(
+            decision, h, across
         ):
-            smaller = min((h.a, h.b), key=lambda i: made.survey.total_volume(made.clusters.members(i)))
-            roots, members = (made.clusters.find(h.a), made.clusters.find(h.b)), made.clusters.members(smaller)
-            if made.clusters.join(h.a, h.b):
+            smaller = min((h.a, h.b), key=lambda i: decision.survey.total_volume(decision.clusters.members(i)))
+            roots, members = (
+                (decision.clusters.find(h.a), decision.clusters.find(h.b)),
+                decision.clusters.members(smaller),
+            )
+            if decision.clusters.join(h.a, h.b):
                 tied.join(*roots)
-                made.guess(members, "not connected: on the axis of a motor, which turns already")
+                decision.guess(members, "not connected: on the axis of a motor, which turns already")
                 continue
-        _tie(made, tied, h, "")
+        _tie(decision, tied, h, "")
 
 
-def _is_beside_motor(made: Decision, h: JointEvidence, across: Sequence[JointEvidence]) -> bool:
+def _is_beside_motor(decision: Decision, h: JointEvidence, across: Sequence[JointEvidence]) -> bool:
     """Whether a joint across a gap repeats that of a motor: one side turns about the same axis on the motor already.
 
     What is beside both the motor's case and its output may be either's: it is the output's.
     """
-    find, sides = made.clusters.find, {made.clusters.find(h.a), made.clusters.find(h.b)}
-    for j in made.joints:
+    find, sides = decision.clusters.find, {decision.clusters.find(h.a), decision.clusters.find(h.b)}
+    for j in decision.joints:
         if not j.drives or not j.axis.same(h.axis, SAME_LINE):
             continue
         case, output = find(j.a), find(j.b)
@@ -253,14 +256,14 @@ def _is_one(tied: Clusters, big: dict[int, list[int]]) -> bool:
     return len({tied.find(root) for root in big}) <= 1
 
 
-def _tie(made: Decision, tied: Clusters, h: JointEvidence, note: str) -> None:
+def _tie(decision: Decision, tied: Clusters, h: JointEvidence, note: str) -> None:
     """Accept a joint if it connects unconnected clusters, else offer it."""
-    if h.a not in made.clusters or h.b not in made.clusters:
+    if h.a not in decision.clusters or h.b not in decision.clusters:
         return
-    a, b = made.clusters.find(h.a), made.clusters.find(h.b)
+    a, b = decision.clusters.find(h.a), decision.clusters.find(h.b)
     if tied.find(a) == tied.find(b):
         h.verdict = Verdict.OFFERED
-    elif made.clusters.forbid(a, b):
+    elif decision.clusters.forbid(a, b):
         tied.join(a, b)
         h.verdict = Verdict.TAKEN
         h.review = h.review or note
@@ -269,9 +272,9 @@ def _tie(made: Decision, tied: Clusters, h: JointEvidence, note: str) -> None:
 class _Seams:
     """Faces of revolution of clusters, line by line."""
 
-    def __init__(self, made: Decision, big: dict[int, list[int]]) -> None:
-        self._survey, self._big = made.survey, big
-        self._cluster_of = {i: root for root, members in big.items() for i in members if i not in made.survey.small}
+    def __init__(self, decision: Decision, big: dict[int, list[int]]) -> None:
+        self._survey, self._big = decision.survey, big
+        self._cluster_of = {i: root for root, members in big.items() for i in members if i not in decision.survey.small}
         self._adjacent: dict[tuple[int, int], bool] = {}
         self._between: dict[tuple[int, int], list[_Seam]] = defaultdict(list)
         for pair, seam in self._seams():

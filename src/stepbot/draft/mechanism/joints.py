@@ -65,9 +65,10 @@ class Joint(Struct, eq=False):
 class Mechanism:
     """The accepted joints, and those that are only offered."""
 
-    def __init__(self, made: Decision, structure: Structure) -> None:
-        self._made, self._survey, self._structure = made, made.survey, structure
-        self._clusters, self._off, self._feet = made.clusters, max(SAME_LINE, made.survey.slack[0]), Feet(made.survey)
+    def __init__(self, decision: Decision, structure: Structure) -> None:
+        self._decision, self._survey, self._structure = decision, decision.survey, structure
+        self._clusters, self._feet = decision.clusters, Feet(decision.survey)
+        self._off = max(SAME_LINE, decision.survey.slack[0])
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
         self._dropped: list[float] = []
@@ -84,7 +85,7 @@ class Mechanism:
         """One joint per pair of clusters: the strongest; True if lines apart were found to lock a pair, now one."""
         taken: dict[tuple[int, int], Joint] = {}
         self.offered = []
-        for h in sorted(self._made.evidence.joints, key=lambda h: (-round(h.score, 6), not h.drives, h.a, h.b)):
+        for h in sorted(self._decision.evidence.joints, key=lambda h: (-round(h.score, 6), not h.drives, h.a, h.b)):
             if h.a not in self._clusters or h.b not in self._clusters:
                 continue
             a, b = sorted((self._clusters.find(h.a), self._clusters.find(h.b)))
@@ -180,7 +181,7 @@ class Mechanism:
             return None
         members = self._clusters.members(root)
         first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
-        if len({h.through for h in self._made.evidence.joints if h.through in members}) > 1:
+        if len({h.through for h in self._decision.evidence.joints if h.through in members}) > 1:
             return None  # a roller on bearings in both of its ends
         is_rod = len(joints) == 1 and self._is_rod(members, first)
         if not self._spins(members, first.axis, _SPINNING_ROD if is_rod else _SPINNER):
@@ -221,7 +222,7 @@ class Mechanism:
             is_seat = _firmness(weak) < _firmness(strong) == _PINNED and weak.priority < Priority.STATED
             is_beside |= is_seat and len(of[plain.other(middle)]) == 1
             if is_beside and weak.type == strong.type == JointKind.REVOLUTE:
-                self._made.guess(self._clusters.members(middle), _IN_SERIES)
+                self._decision.guess(self._clusters.members(middle), _IN_SERIES)
                 self.joints.remove(plain)
                 self._unite(plain.a, plain.b, self.joints)
                 return True
@@ -256,7 +257,7 @@ class Mechanism:
                         continue  # the sun of a planetary gear, beside the carrier
                     self.joints.remove(gone)
                     self._unite(one, two, self.joints)
-                    self._made.guess(members, "turns about the same axis as the parts it was merged with")
+                    self._decision.guess(members, "turns about the same axis as the parts it was merged with")
                     if gone.evidence.drives and not kept.evidence.drives:
                         kept.evidence.drives, kept.evidence.motor = True, gone.evidence.motor
                         kept.evidence.why = gone.evidence.why
@@ -267,7 +268,7 @@ class Mechanism:
 
     def _move_apart(self, one: int, two: int) -> bool:
         """Whether something would be locked if two bodies were one."""
-        pairs = ({e.a, e.b} for e in self._made.evidence.apart if e.verdict == Verdict.TAKEN)
+        pairs = ({e.a, e.b} for e in self._decision.evidence.apart if e.verdict == Verdict.TAKEN)
         return any({one, two} == set(map(self._clusters.find, pair)) for pair in pairs)
 
     def _is_sun(self, members: Sequence[int], hub: int, other: int, axis: Axis) -> bool:
@@ -343,7 +344,7 @@ class Mechanism:
         return bool(along > _ROD * hypot(*across))
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
-        feet, rolling = self._feet.count_beside(members, joint.axis), self._made.evidence.rolling
+        feet, rolling = self._feet.count_beside(members, joint.axis), self._decision.evidence.rolling
         if is_wheel(self._survey, rolling, members, joint.axis) and feet <= max(2, len(rolling)):
             return True  # the assembly stands on it
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):

@@ -60,27 +60,27 @@ class _Pivot(Struct, frozen=True, eq=False):
     relations: list[Relation]
 
 
-def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
+def lone_pivots(decision: Decision, structure: Structure) -> dict[JointKey, str]:
     """The joints at lone round contacts within clusters, and what to review of each."""
-    survey, ties, feet = made.survey, _ties(made), Feet(made.survey)
+    survey, ties, feet = decision.survey, _ties(decision), Feet(decision.survey)
     driven, turning = defaultdict[int, list[Axis]](list), defaultdict[int, list[JointEvidence]](list)
     jointed = set[int]()
-    for h in made.joints:
-        jointed |= {made.clusters.find(h.a), made.clusters.find(h.b)}
+    for h in decision.joints:
+        jointed |= {decision.clusters.find(h.a), decision.clusters.find(h.b)}
         if h.drives:
-            driven[made.clusters.find(h.a)].append(h.axis)
+            driven[decision.clusters.find(h.a)].append(h.axis)
         if h.type == JointKind.REVOLUTE:
             turning[h.a].append(h)
             turning[h.b].append(h)
     reviews: dict[Pair, str] = {}
-    held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
-    for root, members in made.clusters.groups().items():
+    held = {(w.a, w.b) for w in decision.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
+    for root, members in decision.clusters.groups().items():
         # What is around the output of a motor in it, such as a plate with a hole for the shaft, is no side of a pivot.
         outputs = driven[root]
         every = (p for p in _pivots(survey, structure, held, members) if not any(p.axis.same(axis) for axis in outputs))
         pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in every]
         between = [
-            pair for sides in pivots if (pair := sides.between_lopsided()) and not sides.share_line(made, turning)
+            pair for sides in pivots if (pair := sides.between_lopsided()) and not sides.share_line(decision, turning)
         ]
         reviews |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:
@@ -88,21 +88,21 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
             reviews |= dict.fromkeys(below, _REVIEW_STAND)
             ends = [pair for sides in pivots if (pair := sides.below_flange()) is not None]
             reviews |= dict.fromkeys(ends, _REVIEW_FLANGE)
-    hinges = {(h.a, h.b): h for h in made.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
+    hinges = {(h.a, h.b): h for h in decision.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
     return {(*pair, str(hinges[pair].type)): review for pair, review in reviews.items() if pair in hinges}
 
 
-def _ties(made: Decision) -> dict[int, list[tuple[int, int]]]:
+def _ties(decision: Decision) -> dict[int, list[tuple[int, int]]]:
     """For each cluster its pairs of parts that are welded, or that one screw fits in."""
     ties: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for weld in made.evidence.welds:
+    for weld in decision.evidence.welds:
         if weld.verdict == Verdict.TAKEN:
-            ties[made.clusters.find(weld.a)].append((weld.a, weld.b))
-    for screw in made.survey.small:
-        hosts = [other for other, r in made.survey.around(screw) if r.fits]
+            ties[decision.clusters.find(weld.a)].append((weld.a, weld.b))
+    for screw in decision.survey.small:
+        hosts = [other for other, r in decision.survey.around(screw) if r.fits]
         for a, b in pairwise(hosts):
-            if made.clusters.find(a) == made.clusters.find(b):
-                ties[made.clusters.find(a)].append((a, b))
+            if decision.clusters.find(a) == decision.clusters.find(b):
+                ties[decision.clusters.find(a)].append((a, b))
     return ties
 
 
@@ -145,7 +145,7 @@ class _Sides:
         """The joint between two lopsided sides, if there are two."""
         return self._weakest(*self._lopsided)[0] if len(self._lopsided) == 2 else None
 
-    def share_line(self, made: Decision, turning: Mapping[int, Sequence[JointEvidence]]) -> bool:
+    def share_line(self, decision: Decision, turning: Mapping[int, Sequence[JointEvidence]]) -> bool:
         """Whether two lopsided sides turn about one other line, on the same body: a bar between them moves neither.
 
         Args:
@@ -155,7 +155,7 @@ class _Sides:
         for root in self._lopsided:
             inside = set(self._groups.members(root))
             out = (h for i in inside for h in turning.get(i, ()) if len(inside & {h.a, h.b}) == 1)
-            lines.append([(h.axis, made.clusters.find(h.b if h.a in inside else h.a)) for h in out])
+            lines.append([(h.axis, decision.clusters.find(h.b if h.a in inside else h.a)) for h in out])
         one, *others = lines or [[]]
         return any(
             body == other and axis.same(line) and line.is_along(self._pivot.axis.d)

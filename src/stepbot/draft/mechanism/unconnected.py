@@ -39,9 +39,9 @@ _SCORE_BY_NAME, _SCORE_BY_SHAPE = 0.55, 0.5
 class LooseEnds:
     """Connects unconnected clusters."""
 
-    def __init__(self, made: Decision, mechanism: Mechanism, structure: Structure) -> None:
-        self._made, self._mechanism, self._structure = made, mechanism, structure
-        self._survey, self._clusters = made.survey, made.clusters
+    def __init__(self, decision: Decision, mechanism: Mechanism, structure: Structure) -> None:
+        self._decision, self._mechanism, self._structure = decision, mechanism, structure
+        self._survey, self._clusters = decision.survey, decision.clusters
 
     def tie(self, root: int) -> None:
         """Connect everything to one tree; ``root`` represents the root link."""
@@ -69,7 +69,7 @@ class LooseEnds:
             if r not in jointed:
                 target = self._nearest_cluster(groups[r], root)
                 if (target in jointed and self._clusters.join(target, r)) or self._clusters.join(root, r):
-                    self._made.guess(groups[r], "not connected: assigned to the nearest part")
+                    self._decision.guess(groups[r], "not connected: assigned to the nearest part")
                 else:  # kept apart, as gears that mesh are
                     self._mechanism.joints.append(self._placeholder(groups, root, r))
         self._find_again()
@@ -100,7 +100,7 @@ class LooseEnds:
         if root in named:
             for r in named:
                 if r not in jointed and r != root and self._clusters.join(root, r):
-                    self._made.guess(groups[r], "named a base, as the root is")
+                    self._decision.guess(groups[r], "named a base, as the root is")
         self._find_again()
         return self._clusters.find(root)
 
@@ -127,10 +127,10 @@ class LooseEnds:
             other = self._nearest_cluster([i for q in piece for i in groups[q]], root)
             if other not in jointed or tied.find(other) == tied.find(r):
                 other = root
-            hub = next((i for q in piece for i in groups[q] if i in self._made.evidence.wheels), None)
+            hub = next((i for q in piece for i in groups[q] if i in self._decision.evidence.wheels), None)
             if hub is not None:
                 mine = self._clusters.find(hub)
-                wheel = Guess(JointKind.REVOLUTE, self._made.evidence.wheels[hub], "a wheel with rollers around it")
+                wheel = Guess(JointKind.REVOLUTE, self._decision.evidence.wheels[hub], "a wheel with rollers around it")
                 self._mechanism.joints.append(self._guess(groups, mine, other, wheel, _SCORE_BY_SHAPE, BY_SHAPE))
             else:
                 driven = {self._clusters.find(j.evidence.b) for j in self._mechanism.joints if j.evidence.drives}
@@ -148,7 +148,7 @@ class LooseEnds:
         beside = [q for q in equal if self._is_beside(groups[q], groups[other])]
         for q in beside if mine in beside else ():
             if q != mine and self._clusters.join(mine, q):
-                self._made.guess(groups[q], "not connected: beside the same part as its equal")
+                self._decision.guess(groups[q], "not connected: beside the same part as its equal")
 
     def _is_beside(self, one: Sequence[int], two: Sequence[int]) -> bool:
         """Whether faces of two bodies are drawn up to 0.3 mm apart."""
@@ -255,7 +255,7 @@ to which share branches are equal.
 """
 
 
-def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], motors: Sequence[Motor]) -> int:
+def find_root(decision: Decision, structure: Structure, joints: Sequence[Joint], motors: Sequence[Motor]) -> int:
     """The representative of the root cluster."""
     degree = Counter(root for j in joints if not j.evidence.of_roller for root in (j.a, j.b))
     neighbours: dict[int, list[int]] = defaultdict(list)
@@ -268,34 +268,36 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
     holds: Counter[int] = Counter()
     for j in joints:
         if j.evidence.drives and j.evidence.a in cases:
-            holds[made.clusters.find(j.evidence.a)] += 1
-            holds[made.clusters.find(j.evidence.b)] -= 1
-    groups = made.clusters.groups()
-    volumes = {root: made.survey.total_volume(members) for root, members in groups.items()}
+            holds[decision.clusters.find(j.evidence.a)] += 1
+            holds[decision.clusters.find(j.evidence.b)] -= 1
+    groups = decision.clusters.groups()
+    volumes = {root: decision.survey.total_volume(members) for root, members in groups.items()}
     largest = max(volumes.values(), default=0.0) or 1.0
-    candidates = {root for root in groups if not degree or degree[root] or volumes[root] >= _LOOSE * made.survey.volume}
-    up, stands = _standing(made, candidates)
+    candidates = {
+        root for root in groups if not degree or degree[root] or volumes[root] >= _LOOSE * decision.survey.volume
+    }
+    up, stands = _standing(decision, candidates)
     is_chain = max(degree.values(), default=0) < _BRANCHES
     beneath = [q for q, share in stands.items() if share > _RIVAL]
-    named = {q for q in candidates if _is_base_by_name(made.survey, structure, groups[q])}
+    named = {q for q in candidates if _is_base_by_name(decision.survey, structure, groups[q])}
     is_base = named.intersection(beneath) if named else not is_chain or all(volumes[q] >= largest for q in beneath)
     if up not in _USUAL and not is_base:
         up, stands = "z", {}
     mains = {
-        root: max((made.survey.parts[i].volume for i in members if i not in cases), default=0.0)
+        root: max((decision.survey.parts[i].volume for i in members if i not in cases), default=0.0)
         for root, members in groups.items()
     }
     ranked = []
     for root in candidates:
-        share, members = volumes[root] / made.survey.volume, groups[root]
+        share, members = volumes[root] / decision.survey.volume, groups[root]
         stubs = sum(degree[q] == 1 and volumes[q] < _STUB * volumes[root] for q in neighbours[root])
         is_end = degree[root] <= 1 or (holds[root] > 0 and degree[root] - stubs <= 1)
         one = _Candidate(members, share, volumes[root] / largest, degree[root] or 1, is_end, holds[root])
-        rank = _rank(made.survey, structure, one, up) + _ON_GROUND * stands.get(root, 0.0)
+        rank = _rank(decision.survey, structure, one, up) + _ON_GROUND * stands.get(root, 0.0)
         twins = (other for other in groups if abs(mains[other] - mains[root]) < _TWIN * mains[root])
         if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
             rank -= _TRUNK  # one of several equal limbs
-        if degree[root] == 1 and root not in stands and _is_roller(made.survey, members, only[root], up):
+        if degree[root] == 1 and root not in stands and _is_roller(decision.survey, members, only[root], up):
             rank -= _TRUNK
         if degree[root] >= _BRANCHES and volumes[root] < largest and _is_outweighed(root, joints, volumes):
             rank -= _HAND
@@ -342,13 +344,13 @@ def _roles_above(survey: Survey, part: int) -> set[Role]:
     return roles
 
 
-def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, dict[int, float]]:
+def _standing(decision: Decision, candidates: Collection[int]) -> tuple[Direction, dict[int, float]]:
     """The direction away from the ground, and the share of it of each cluster that the assembly stands on.
 
     If no flat side is clearly the largest: z, and no shares. What is no candidate for the root, such as a foot that
     nothing holds, counts for the cluster next to it.
     """
-    ground = grounds(made.survey.assembly)
+    ground = grounds(decision.survey.assembly)
     totals = {up: exact_sum(shares.values()) for up, shares in ground.items()}
     up = max(totals, key=lambda one: totals[one], default=None)
     if (
@@ -359,10 +361,10 @@ def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, d
         return "z", {}
     stands: dict[int, list[float]] = defaultdict(list)
     for i, share in ground[up].items():
-        home = made.clusters.find(i)
+        home = decision.clusters.find(i)
         if home not in candidates:
-            part = nearest(made.survey, made.clusters.members(home))
-            home = home if part is None else made.clusters.find(part)
+            part = nearest(decision.survey, decision.clusters.members(home))
+            home = home if part is None else decision.clusters.find(part)
         stands[home].append(share / totals[up])
     return up, {home: exact_sum(shares) for home, shares in stands.items()}
 

@@ -141,7 +141,7 @@ class EqualParts:
         poses: list[Pose] = []
         for R in _turns(mine, theirs):
             M = Pose.of(R, theirs.com - rotated(R, mine.com))
-            is_new = not any(np.abs(M.matrix - known.matrix).max() < _FACES for known in poses)
+            is_new = not any(np.abs(M.matrix - pose.matrix).max() < _FACES for pose in poses)
             if is_new and (mine.is_round or not _is_reflection(R)) and _is_at(mine, theirs, R):
                 poses.append(M)
         return sorted(poses, key=lambda M: _is_reflection(M.R))

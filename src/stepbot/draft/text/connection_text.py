@@ -134,11 +134,11 @@ def _given(joint: DraftJoint, names: Mapping[str, str]) -> Entries:
     return entries
 
 
-def inertial_lines(given: MassProperties) -> list[str]:
+def inertial_lines(properties: MassProperties) -> list[str]:
     """Mass, centre of mass and inertia of a link."""
-    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = given.inertia
+    (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = properties.inertia
     moments = {"ixx": ixx, "iyy": iyy, "izz": izz, "ixy": ixy, "ixz": ixz, "iyz": iyz}
-    entries = [("mass", f"{number(given.mass)} kg"), ("com", lengths(given.com))]
+    entries = [("mass", f"{number(properties.mass)} kg"), ("com", lengths(properties.com))]
     entries.append(("inertia", flow((key, number(value)) for key, value in moments.items())))
     return [f"    inertial: {flow(entries)}"]
 

@@ -59,12 +59,12 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     )
 
 
-def _with_extensions(seen: Observation, blocks: Observation, extra: Mapping[str, Limit]) -> Observation:
+def _with_extensions(observation: Observation, blocks: Observation, extra: Mapping[str, Limit]) -> Observation:
     """The robot with limits of URDF 1.2, and springs, actuators, sensors and links without gravity of the blocks."""
     springs = {joint.name: joint.dynamics for joint in blocks.joints}
     weightless = {link.name: link.gravity_compensation for link in blocks.links}
     joints = []
-    for joint in seen.joints:
+    for joint in observation.joints:
         spring = springs.get(joint.name)
         if joint.dynamics is not None and spring is not None:
             dynamics = replace(joint.dynamics, stiffness=spring.stiffness, spring_reference=spring.spring_reference)
@@ -76,9 +76,9 @@ def _with_extensions(seen: Observation, blocks: Observation, extra: Mapping[str,
             joint = replace(joint, limit=limit)
         joints.append(joint)
     return replace(
-        seen,
+        observation,
         joints=tuple(joints),
-        links=tuple(replace(link, gravity_compensation=weightless.get(link.name)) for link in seen.links),
+        links=tuple(replace(link, gravity_compensation=weightless.get(link.name)) for link in observation.links),
         actuators=blocks.actuators,
         sensors=blocks.sensors,
     )

@@ -64,22 +64,22 @@ def _where_all_are_zero(
     ]
 
 
-def _with_steps(compiled: "NamedModel", whole: ObservedJoint, seen: Sequence[ObservedJoint]) -> ObservedJoint:
+def _with_steps(compiled: "NamedModel", joint: ObservedJoint, seen: Sequence[ObservedJoint]) -> ObservedJoint:
     """A multi-dof joint with its component joints; the two of a screw share one coordinate.
 
     The velocity limit stored under its name applies to each rotating component.
     """
-    if whole.kind == "screw":
-        return whole
-    velocity = _velocity_limits(compiled).get(whole.name, inf)
+    if joint.kind == "screw":
+        return joint
+    velocity = _velocity_limits(compiled).get(joint.name, inf)
     steps = (
         replace(step, limit=replace(step.limit, velocity=min(step.limit.velocity, velocity)))
         if step.limit is not None and step.kind != "prismatic"
         else step
         for step in seen
     )
-    limit = whole.limit and replace(whole.limit, velocity=min(whole.limit.velocity, velocity))
-    return replace(whole, limit=limit, steps=tuple(steps))
+    limit = joint.limit and replace(joint.limit, velocity=min(joint.limit.velocity, velocity))
+    return replace(joint, limit=limit, steps=tuple(steps))
 
 
 def _as_one(compiled: "NamedModel", above: range, seen: Sequence[ObservedJoint]) -> ObservedJoint | None:

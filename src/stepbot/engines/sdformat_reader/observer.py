@@ -184,7 +184,7 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
     return replace(observed, steps=_steps(observed, of_both)) if _kind(joint) == JointKind.UNIVERSAL else observed
 
 
-def _steps(whole: ObservedJoint, of_both: Sequence[tuple[Limit, JointDynamics]]) -> tuple[ObservedJoint, ...]:
+def _steps(joint: ObservedJoint, of_both: Sequence[tuple[Limit, JointDynamics]]) -> tuple[ObservedJoint, ...]:
     """The hinges of a universal joint with limits, or with other forces about its second axis; else none.
 
     The universal joint of the model has no limits, and the same forces about both axes.
@@ -194,8 +194,8 @@ def _steps(whole: ObservedJoint, of_both: Sequence[tuple[Limit, JointDynamics]])
         return ()
     return tuple(
         replace(
-            whole,
-            name=f"{whole.name}{suffix}",
+            joint,
+            name=f"{joint.name}{suffix}",
             kind="revolute" if isfinite(limit.lower) or isfinite(limit.upper) else "continuous",
             axis=axis,
             axis2=None,
@@ -204,7 +204,7 @@ def _steps(whole: ObservedJoint, of_both: Sequence[tuple[Limit, JointDynamics]])
             mimic=None,
         )
         for suffix, axis, (limit, dynamics) in zip(
-            JointKind.UNIVERSAL.chain, (whole.axis, whole.axis2), of_both, strict=True
+            JointKind.UNIVERSAL.chain, (joint.axis, joint.axis2), of_both, strict=True
         )
     )
 
