@@ -85,7 +85,7 @@ def places(sidecar: Sidecar) -> dict[str, Span]:
     return places
 
 
-def report_size(assembly: Assembly, found: Diagnostics, *, drafted: bool = False) -> None:
+def report_size(assembly: Assembly, diagnostics: Diagnostics, *, drafted: bool = False) -> None:
     """Report SB420, an assembly of tens of metres, or below a millimetre: drawn in another unit than declared.
 
     Args:
@@ -98,7 +98,7 @@ def report_size(assembly: Assembly, found: Diagnostics, *, drafted: bool = False
         help += ["joints are drafted by clearances and gaps of larger parts: look at each, or draw it enlarged"]
     if size > LARGEST:
         message = f"{assembly.source}: size of {size:.3g} m; check its length unit ({assembly.unit})"
-        found.add("SB420", message, Span(assembly.source), help=help[:1])
+        diagnostics.add("SB420", message, Span(assembly.source), help=help[:1])
     elif 0.0 < size < (SMALL if drafted else SMALLEST):
         message = f"{assembly.source}: size of {size * 1e3:.3g} mm; check its length unit ({assembly.unit})"
-        found.add("SB420", message, Span(assembly.source), help=help)
+        diagnostics.add("SB420", message, Span(assembly.source), help=help)

@@ -35,7 +35,7 @@ def posed(robot: Robot, configuration: Configuration) -> dict[str, float]:
     joints that can be driven keep their positions if the loops allow.
 
     Args:
-        given: Positions [rad] or [m] by coordinate; not of mimics.
+        configuration: Positions [rad] or [m] by coordinate; not of mimics.
 
     Raises:
         KeyError: A name is not that of a moving joint.

@@ -22,7 +22,7 @@ def joint_rows(observation: Observation) -> tuple[JointRow, ...]:
     """Every joint, then every closure, in the frame of the base.
 
     Args:
-        seen: An observation of the file; its first configuration has all joints at 0.
+        observation: An observation of the file; its first configuration has all joints at 0.
     """
     poses: Mapping[str, Pose] = observation.poses[0] if observation.poses else {}
     rows = []

@@ -105,7 +105,7 @@ def as_alone(
 
     Args:
         lowered: The module's robot as the file's format expresses it.
-        whole: The composed robot, likewise.
+        robot: The composed robot, likewise.
         observed: The engine's observation of the file.
         request: What the engine was asked.
     """

@@ -235,12 +235,12 @@ class MujocoSimulation:
 
     def overlaps(self, least: float) -> dict[tuple[str, str], float]:
         """How deep [m] links of the robot are in each other, where that is more than ``least``."""
-        found: dict[tuple[str, str], float] = {}
+        depths: dict[tuple[str, str], float] = {}
         for one in self.data.contact[: self.data.ncon]:
             if -one.dist > least and {int(one.geom1), int(one.geom2)} <= self._own:
                 first, second = sorted(self._compiled.name("BODY", int(b)) for b in self.model.geom_bodyid[one.geom])
-                found[first, second] = max(found.get((first, second), 0.0), -float(one.dist))
-        return found
+                depths[first, second] = max(found.get((first, second), 0.0), -float(one.dist))
+        return depths
 
     def standing(self) -> Mapping[str, Array]:  # noqa: D102
         places: dict[str, list[Array]] = {}

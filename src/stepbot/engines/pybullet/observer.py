@@ -333,8 +333,8 @@ def _dynamics(body: Body, request: Request) -> tuple[Dynamics, ...]:
         raise EngineRefused("masses or inertias with which PyBullet cannot compute the motion") from error
 
 
-def _equations(body: Body, request: Request, whole: float) -> tuple[Dynamics, ...]:
-    """The equations of motion of a body whose masses and inertias are to be multiplied by ``whole``."""
+def _equations(body: Body, request: Request, factor: float) -> tuple[Dynamics, ...]:
+    """The equations of motion of a body whose masses and inertias are to be multiplied by ``factor``."""
     equations = []
     for q, rates in request.moments:
         positions, *moving = ([float(given.get(name, 0.0)) for name in body.coordinates] for given in (q, *rates))
@@ -342,7 +342,7 @@ def _equations(body: Body, request: Request, whole: float) -> tuple[Dynamics, ..
         M = body.engine.calculateMassMatrix(body.id, positions)
         gravity = body.engine.calculateInverseDynamics(body.id, positions, rest, rest)
         inverse = body.engine.calculateInverseDynamics(body.id, positions, *moving)
-        equations.append(Dynamics(whole * np.array(M), whole * np.array(gravity), whole * np.array(inverse)))
+        equations.append(Dynamics(factor * np.array(M), factor * np.array(gravity), factor * np.array(inverse)))
     return tuple(equations)
 
 
