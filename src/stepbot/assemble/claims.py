@@ -42,7 +42,7 @@ class Claims(Struct, frozen=True, dict=True):
         return {name: tuple(indices) for name, indices in parts.items()}
 
 
-def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
+def claim(binder: Binder, assignments: Sequence[MaterialAssignment]) -> Claims:
     """Assign every component with a body to a link, and report components that are in no link or in two."""
     components, document = binder.assembly.components, binder.document
     claims, incomplete = _claims(binder)
@@ -51,13 +51,13 @@ def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
     takeable = [_can_be_taken(binder, index) for index in range(len(components))]
     link_of = tuple(
         name if takes and not assignment.ignored else ""
-        for name, takes, assignment in zip(nearest, takeable, of, strict=True)
+        for name, takes, assignment in zip(nearest, takeable, assignments, strict=True)
     )
     for one in claims:
         below = binder.paths.below(one.indices)
         if not (one.is_taken or any(link_of[index] == one.link for index in below)):
-            _report_empty_claim(binder, one.link, one.position, below, of)
-    left = [i for i, takes in enumerate(takeable) if takes and not of[i].ignored and not link_of[i]]
+            _report_empty_claim(binder, one.link, one.position, below, assignments)
+    left = [i for i, takes in enumerate(takeable) if takes and not assignments[i].ignored and not link_of[i]]
     unknown = [index for index in left if index not in binder.revised.new]
     if unknown:
         _report_unclaimed(binder, unknown, incomplete)
@@ -113,12 +113,12 @@ def _can_be_taken(binder: Binder, index: int) -> bool:
 
 
 def _report_empty_claim(
-    binder: Binder, link: str, position: int, below: list[int], of: Sequence[MaterialAssignment]
+    binder: Binder, link: str, position: int, below: list[int], assignments: Sequence[MaterialAssignment]
 ) -> None:
     bodies = [index for index in below if _can_be_taken(binder, index)]
     if not bodies:
         why, help = "it contains no body", "remove the path, or name a component with bodies (`stepbot inspect`)"
-    elif all(of[index].ignored for index in bodies):
+    elif all(assignments[index].ignored for index in bodies):
         why, help = "`parts` ignores it", "remove the path, or the rule with `ignore: true` under `parts`"
     else:
         why, help = "more specific claims take all of it", "remove the path, or the more specific paths"

@@ -86,8 +86,8 @@ def place_of(actuator: Actuator, robot: Robot, sidecar: Sidecar) -> Span:
     """Where a sidecar states an actuator, or names the module that has it."""
     child = robot.joint_by_name[actuator.joint].child
     modules = [] if actuator.name in sidecar.document.actuators else robot.modules
-    of = next((module.name for module in modules if child in module.links), None)
-    return sidecar.span("actuators", actuator.name) if of is None else sidecar.key_span("modules", of)
+    module_name = next((module.name for module in modules if child in module.links), None)
+    return sidecar.span("actuators", actuator.name) if module_name is None else sidecar.key_span("modules", module_name)
 
 
 def build_simulation(document: Document) -> Simulation:

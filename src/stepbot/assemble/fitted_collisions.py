@@ -54,7 +54,7 @@ class FittedCollisions:
         self,
         binder: Binder,
         claims: Claims,
-        of: Sequence[MaterialAssignment],
+        assignments: Sequence[MaterialAssignment],
         bodies: Sequence[MeasuredBody],
         cache: Cache | None,
         process: Worker | None,
@@ -62,12 +62,12 @@ class FittedCollisions:
         """Look the sets up in the cache or start to compute them; returns at once.
 
         Args:
-            of: The sidecar's settings for each component.
+            assignments: The sidecar's settings for each component.
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
         """
         wanted = {
             joined: _wanted(binder.assembly, joined, bodies, others)
-            for joined, others in _all_joined(binder, claims, of).items()
+            for joined, others in _all_joined(binder, claims, assignments).items()
         }
         self._sets = ResultsByContent(cache, "collision set", wanted, (Wanted, CollisionSet))
         self._process: Worker | None = None
@@ -132,14 +132,14 @@ class _Others(Struct, frozen=True):
     """Whether there are no others."""
 
 
-def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]) -> dict[Joined, _Others]:
+def _all_joined(binder: Binder, claims: Claims, assignments: Sequence[MaterialAssignment]) -> dict[Joined, _Others]:
     """All sets, and what is beside each in its link."""
     assembly, document = binder.assembly, binder.document
     joined: dict[Joined, _Others] = {}
     for link in document.links:
         whole = []
         for index in claims.parts_of(link):
-            rule = part_rule(of[index].collision, of[index].contact, link, document)
+            rule = part_rule(assignments[index].collision, assignments[index].contact, link, document)
             if rule is None:
                 whole.append(index)
                 continue

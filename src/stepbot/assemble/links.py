@@ -49,13 +49,13 @@ class Links:
         self,
         binder: Binder,
         claims: Claims,
-        of: Sequence[MaterialAssignment],
+        assignments: Sequence[MaterialAssignment],
         masses: Mapping[int, ComponentMass],
         bodies: Sequence[MeasuredBody],
         fitted: FittedCollisions,
     ) -> None:
         self._binder = binder
-        self._of = of
+        self._of = assignments
         self._masses = masses
         self._used = [body.used or MassProperties() for body in bodies]  # only components with a volume have a mass
         self._parts = {link: claims.parts_of(link) for link in binder.document.links}

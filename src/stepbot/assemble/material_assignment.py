@@ -280,7 +280,11 @@ def _note_unlisted_materials(binder: Binder, assignments: tuple[MaterialAssignme
             f"{binder.assembly.source}: {parts} a material without a density; the default density is used",
             binder.span(("materials",)),
             help=(f"define it: `materials: {{{quoted(next(iter(unlisted)))}: {{density: ...}}}}`",),
-            notes=listed(tuple(f"'{name}': {quoted(binder.path(of[0]))}{_more(of)}" for name, of in unlisted.items())),
+            notes=listed(
+                tuple(
+                    f"'{name}': {quoted(binder.path(indices[0]))}{_more(indices)}" for name, indices in unlisted.items()
+                )
+            ),
         )
 
 

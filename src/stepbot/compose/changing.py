@@ -247,14 +247,14 @@ class _Changing:
     def _with_links(self, robot: Robot, binder: Binder, memory_limit: int | None, timeout: float) -> Robot:
         if not self._of("links"):
             return robot
-        bodies, of = self._assembly.bodies, [MaterialAssignment()] * len(self._assembly.components)
+        bodies, assignments = self._assembly.bodies, [MaterialAssignment()] * len(self._assembly.components)
         with ExitStack() as running:
             process = running.enter_context(Worker(MESH_WORKER, memory_limit=memory_limit)) if bodies else None
             measures: Sequence[Any] = ()
             if process is not None:
                 measures = process.submit("measures", tuple(body.mesh for body in bodies), more=True).result(timeout)
             measured = measured_bodies(self._assembly, measures, self._sidecar.document.mass)
-            fitted = FittedCollisions(binder, self._claims, of, measured, None, process)
+            fitted = FittedCollisions(binder, self._claims, assignments, measured, None, process)
             wait_for(fitted, binder, timeout)
         self._diagnostics.raise_if_errors()
         assets = MeshAssets(self._assembly)

@@ -78,8 +78,8 @@ class Images:
         if images:
             return None
         if module and not is_root_part(self._document, module):
-            of = self._document.modules[name].mirror_of
-            message = f"module '{name}': mirror_of: '{of}' is at {reference}, and nothing mirrors '{module}'"
+            original = self._document.modules[name].mirror_of
+            message = f"module '{name}': mirror_of: '{original}' is at {reference}, and nothing mirrors '{module}'"
             help = [f"add a module with `mirror_of: {module}`, or give `at`"]
             self._diagnostics.add("SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
             return None
@@ -91,10 +91,10 @@ class Images:
 
     def _closest(self, name: str, images: list[str]) -> list[str]:
         modules = self._document.modules
-        of = str(modules[name].mirror_of)
+        original = str(modules[name].mirror_of)
         ones = [image for image in images if (modules[image].mirror or "y") == (modules[name].mirror or "y")] or images
         if len(ones) > 1:
-            ones = [one for one in ones if image_name(str(modules[one].mirror_of), of, name) == one] or ones
+            ones = [one for one in ones if image_name(str(modules[one].mirror_of), original, name) == one] or ones
         return ones
 
     def _of(self, module: str) -> list[str]:
@@ -110,11 +110,11 @@ class Images:
             keys: The place of the reference to that module.
         """
         modules = self._document.modules
-        of = str(modules[name].mirror_of)
+        original = str(modules[name].mirror_of)
         ones = self._closest(name, images)
         if len(ones) > 1:
             which = f"'{modules[ones[0]].mirror_of}', which has several images"
-            message = f"module '{name}': mirror_of: '{of}' is on {which}"
+            message = f"module '{name}': mirror_of: '{original}' is on {which}"
             help = [f"give `at`: a port of {' or '.join(repr(one) for one in ones)}"]
             notes = [f"the reference at {self._sidecar.span(*keys)}"]
             self._diagnostics.add(

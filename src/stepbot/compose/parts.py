@@ -94,11 +94,11 @@ class Parts:
         return {name: part for name, part in parts.items() if part is not None}
 
     def _part(self, name: str, section: ModuleSection) -> Part | None:
-        of = section.mirror_of
-        robot = self._original(of or name)
+        original = section.mirror_of
+        robot = self._original(original or name)
         if robot is None:
             return None
-        if of:
+        if original:
             robot = self._mirrored(name, robot, section.mirror or "y", section)
             robot = self._home(name, self._without(name, robot, section.without), section)
         prefix = f"{name}_" if section.prefix is None else section.prefix
@@ -190,8 +190,8 @@ class Parts:
     def _mirrored(self, name: str, robot: Robot, normal: str, section: ModuleSection) -> Robot:
         image = mirrored(robot, normal)
         names = [joint.name for joint in robot.joints]
-        of = section.mirror_of or ""
-        above = [image_name(joint, of, name) for joint in joints_above(self._sidecar.document, of)]
+        original = section.mirror_of or ""
+        above = [image_name(joint, original, name) for joint in joints_above(self._sidecar.document, original)]
         for index, pattern in enumerate(section.flip):
             if flipped(image, [pattern]).joints == image.joints and not any(
                 fnmatchcase(joint, pattern) for joint in above
@@ -261,17 +261,17 @@ def _with_prefix(robot: Robot, prefix: str) -> Robot:
     return replace(named, modules=inner)
 
 
-def image_name(joint: str, of: str, name: str) -> str:
+def image_name(joint: str, original: str, name: str) -> str:
     """The name of the image of a joint above module ``of``, for its mirror image ``name``.
 
     ``left_roll`` above ``left_arm`` becomes ``right_roll`` for ``right_arm``: what differs between the modules' names
     is replaced in the joint's. A joint without it gets the image's name in front.
     """
-    begin = r"(?<![A-Z])" if of[:1].isupper() else r"(?<![A-Za-z0-9])"
-    words = re.sub(f"{begin}{re.escape(of)}(?![a-z0-9])", lambda _: name, joint)
+    begin = r"(?<![A-Z])" if original[:1].isupper() else r"(?<![A-Za-z0-9])"
+    words = re.sub(f"{begin}{re.escape(original)}(?![a-z0-9])", lambda _: name, joint)
     if words != joint:
         return words
-    ours, theirs = of.split("_"), name.split("_")
+    ours, theirs = original.split("_"), name.split("_")
     while len(ours) > 1 and len(theirs) > 1 and ours[-1] == theirs[-1]:
         ours, theirs = ours[:-1], theirs[:-1]
     while len(ours) > 1 and len(theirs) > 1 and ours[0] == theirs[0]:

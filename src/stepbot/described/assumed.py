@@ -76,7 +76,9 @@ def _geometry(shape: Collision | Visual, robot: Robot) -> TriMesh | Primitive:
 
 def solids_of(links: Mapping[str, Shapes]) -> dict[str, MassProperties]:
     """Mass properties of each link at 1 kg/m^3; without mass where its shapes have no volume. For a worker process."""
-    return {name: combined([_solid(geometry).moved(X_LG) for geometry, X_LG in of]) for name, of in links.items()}
+    return {
+        name: combined([_solid(geometry).moved(X_LG) for geometry, X_LG in shapes]) for name, shapes in links.items()
+    }
 
 
 def _solid(geometry: TriMesh | Primitive) -> MassProperties:

@@ -87,8 +87,8 @@ class Patterns:
 class _Pattern:
     """The text of an element, with gaps."""
 
-    def __init__(self, of: Element) -> None:
-        self._element = of
+    def __init__(self, parent: Element) -> None:
+        self._element = parent
         self._at: dict[int, str] = {}
         """By level in the document."""
 

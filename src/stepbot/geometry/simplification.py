@@ -188,8 +188,11 @@ def _border(faces: Integers, labels: Integers) -> tuple[Integers, Integers, Inte
     """Edges of faces whose edge no face of the same label shares the other way round: two vertices, and the face."""
     a, b = faces[:, (0, 1, 2)].reshape(-1), faces[:, (1, 2, 0)].reshape(-1)
     face = np.repeat(np.arange(len(faces)), 3)
-    count, of = (int(faces.max()) + 1 if len(faces) else 1), labels[face]
-    keys, opposite = (a * count + b) * (of.max(initial=0) + 1) + of, (b * count + a) * (of.max(initial=0) + 1) + of
+    count, owners = (int(faces.max()) + 1 if len(faces) else 1), labels[face]
+    keys, opposite = (
+        (a * count + b) * (owners.max(initial=0) + 1) + owners,
+        (b * count + a) * (owners.max(initial=0) + 1) + owners,
+    )
     alone = ~np.isin(keys, opposite)
     return a[alone], b[alone], face[alone]
 

@@ -188,9 +188,9 @@ def _sensors(model: Model, but: tuple[Any, ...]) -> Iterator[Value]:
     for sensor in range(model.nsensor):
         if mujoco.mjtSensor(int(model.sensor_type[sensor])) in but:
             continue
-        start, of = int(model.sensor_adr[sensor]), name(model, "SENSOR", sensor).replace(SCOPE, "/")
+        start, sensor_name = int(model.sensor_adr[sensor]), name(model, "SENSOR", sensor).replace(SCOPE, "/")
         cutoff = float(model.sensor_cutoff[sensor])
         # A range finder without an echo measures -1.
         most = max(cutoff, 1.0) if cutoff > 0.0 else np.inf
         for offset, (part, unit) in enumerate(sensor_parts(model, sensor)):
-            yield Value(f"{of}/{part}" if part else of, unit, "sensordata", start + offset, most)
+            yield Value(f"{sensor_name}/{part}" if part else sensor_name, unit, "sensordata", start + offset, most)

@@ -267,10 +267,10 @@ def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot
     for module in robot.modules:  # a module of a module was compared where that was composed
         if module.name in sections:
             section = sections[module.name]
-            of = alone[section.mirror_of or module.name]
-            flips = _flips(of, section, sections)
-            inside = frozenset(joint.name for joint in of.joints if module.prefix + joint.name in led)
-            modules.append(Alone(module, in_initial_pose(of, robot, module.prefix, flips), flips, inside))
+            original = alone[section.mirror_of or module.name]
+            flips = _flips(original, section, sections)
+            inside = frozenset(joint.name for joint in original.joints if module.prefix + joint.name in led)
+            modules.append(Alone(module, in_initial_pose(original, robot, module.prefix, flips), flips, inside))
     return modules
 
 

@@ -58,8 +58,8 @@ def robot_bounds(
     if not any(poses for _, poses in placed):
         placed = [(X_WL[link.name], link.visual_poses) for link in chosen]
     everywhere: dict[Geometry, list[Poses]] = {}
-    for X, of in placed:
-        for geometry, X_LG in of.items():
+    for X, points in placed:
+        for geometry, X_LG in points.items():
             everywhere.setdefault(geometry, []).append(X_LG.seen_from(X))
     boxes = [_bounds(robot, geometry, Poses.joined(poses)) for geometry, poses in everywhere.items()]
     return join_bounds(boxes) if boxes else None

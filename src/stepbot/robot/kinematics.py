@@ -276,19 +276,19 @@ def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict
     return link_poses_at(robot, [q], tree)[0]
 
 
-def link_poses_at(robot: Robot, of: Sequence[Configuration], tree: Tree | None = None) -> list[dict[str, Pose]]:
+def link_poses_at(robot: Robot, qs: Sequence[Configuration], tree: Tree | None = None) -> list[dict[str, Pose]]:
     """X_WL of every link, in tree order, at each configuration, which is completed first.
 
     Args:
-        of: Positions [rad] or [m].
+        qs: Positions [rad] or [m].
         tree: The robot's tree, if already computed.
 
     Raises:
         KeyError: A configuration contains a name that is not a moving joint.
     """
     tree = tree or Tree(robot)
-    positions = [complete(robot, q) for q in of]
-    X = tree.frames(np.array([[q[name] for name in tree.joints] for q in positions]).reshape(len(of), len(tree.joints)))
+    rows = [[q[name] for name in tree.joints] for q in (complete(robot, q) for q in qs)]
+    X = tree.frames(np.array(rows).reshape(len(rows), len(tree.joints)))
     names = [link.name for link in robot.links]
     placed = X[:, [tree.link_index[name] for name in names], :3]
     return [dict(zip(names, map(Pose.from_matrix, at), strict=True)) for at in placed]

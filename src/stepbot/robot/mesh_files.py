@@ -82,7 +82,7 @@ class MeshFiles:
     def _stem(self, name: str, rgba: Rgba | None) -> str:
         """The mesh's name for its first colour; a new one for each further."""
         if (name, rgba) not in self._stems:
-            is_first = rgba is None or not any(of == name and color for of, color in self._stems)
+            is_first = rgba is None or not any(mesh_name == name and color for mesh_name, color in self._stems)
             self._stems[name, rgba] = name if is_first else self._names.unique(name)
         return self._stems[name, rgba]
 

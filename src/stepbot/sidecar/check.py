@@ -72,23 +72,25 @@ def _check_own_step(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
 
 def _check_source(sidecar: Sidecar, name: str, module: ModuleSection, diagnostics: Diagnostics) -> None:
     """Report SB150, neither or both of `file` and `mirror_of`, and SB152, no module to mirror."""
-    modules, of = sidecar.document.modules, module.mirror_of
+    modules, original = sidecar.document.modules, module.mirror_of
     span = sidecar.span("modules", name, "mirror_of")
-    if of is None:
+    if original is None:
         if module.file is None:
             message = f"module '{name}': neither `file` nor `mirror_of` is set"
             diagnostics.add("SB150", message, sidecar.key_span("modules", name))
     elif module.file is not None:
         help = ["remove `file`: it is the file of the other module", "`mirror: y` mirrors a file"]
         diagnostics.add("SB150", f"module '{name}': both `file` and `mirror_of` are set", span, help=help)
-    elif of == name:
+    elif original == name:
         message = f"module '{name}': mirror_of: it is the module itself"
         diagnostics.add("SB152", message, span, help=["name the module that it is the mirror image of"])
-    elif of not in modules:
-        diagnostics.add("SB152", f"module '{name}': mirror_of: no module '{of}'", span, help=did_you_mean(of, modules))
-    elif modules[of].mirror_of is not None:
-        help = [f"mirror_of: {modules[of].mirror_of}"]
-        diagnostics.add("SB152", f"module '{name}': mirror_of: '{of}' is itself a mirror image", span, help=help)
+    elif original not in modules:
+        diagnostics.add(
+            "SB152", f"module '{name}': mirror_of: no module '{original}'", span, help=did_you_mean(original, modules)
+        )
+    elif modules[original].mirror_of is not None:
+        help = [f"mirror_of: {modules[original].mirror_of}"]
+        diagnostics.add("SB152", f"module '{name}': mirror_of: '{original}' is itself a mirror image", span, help=help)
 
 
 def _check_effects(

@@ -56,8 +56,8 @@ class Subject(Struct, frozen=True):
         why: str = "",
     ) -> Check:
         """A check of this subject."""
-        of = (self.file, self.format, self.engine, quantity, status, deviation, tolerance, unit, where)
-        return Check(*of, why=why, against=self.against)
+        fields = (self.file, self.format, self.engine, quantity, status, deviation, tolerance, unit, where)
+        return Check(*fields, why=why, against=self.against)
 
 
 ENGINE_WARNING = "SB813"

@@ -105,7 +105,7 @@ def settled(
     pieces, bodies = Clusters(parts), _bodies(parts, small, firm)
     for pair in firm:
         pieces.join(*pair)
-    for pair in (pair for of in one_part for pair in pairwise(of)):
+    for pair in (pair for group in one_part for pair in pairwise(group)):
         pieces.join(*pair)
         bodies.join(*pair)
     off = [

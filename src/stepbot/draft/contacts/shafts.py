@@ -42,7 +42,7 @@ def find_fits(scene: Scene, contacts: Contacts) -> None:
         contacts.lines.append(line)
         for a, b in neighbours_on(line):
             contacts.fits[a, b] += _pair_fits(line, a, b)
-    for pair in [pair for pair, of in contacts.fits.items() if not of]:
+    for pair in [pair for pair, pair_fits in contacts.fits.items() if not pair_fits]:
         del contacts.fits[pair]
 
 

@@ -121,7 +121,7 @@ def _axes(faces: Sequence[Face]) -> list[Axis]:
     for face in faces:
         if face.kind in (FaceKind.CYLINDER, FaceKind.CONE):
             axis = Axis(np.array(face.point), np.array(face.direction))
-            spans = next((of for line, of in lines if line.same(axis)), None)
+            spans = next((sums for line, sums in lines if line.same(axis)), None)
             if spans is None:
                 spans = defaultdict[tuple[float, bool], float](float)
                 lines.append((axis, spans))

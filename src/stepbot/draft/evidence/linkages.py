@@ -162,7 +162,11 @@ class _Linkages:
             if not any(h.axis.same(known.axis, LOOSEST) for known in lines[self._ends(h)]):
                 lines[self._ends(h)].append(h)
         between = self._between()
-        return [of[0] for pair, of in lines.items() if len(of) == 1 and pair[0] != pair[1] and pair not in between]
+        return [
+            pivots[0]
+            for pair, pivots in lines.items()
+            if len(pivots) == 1 and pair[0] != pair[1] and pair not in between
+        ]
 
     def _in_moving_loops(self, hinges: list[Hinge]) -> list[Hinge]:
         """The uncertain hinges in loops that move with them, if they do not hold what moves without."""
@@ -326,22 +330,22 @@ class _Linkages:
     def _pruned(self, hinges: list[Hinge]) -> list[Hinge]:
         """Without bodies that are held on one line alone and are turned about it, or are tags."""
         while True:
-            of = self._by_body(hinges)
-            gone = self._stacked(of) | {
+            by_body = self._by_body(hinges)
+            gone = self._stacked(by_body) | {
                 id(mine[0])
-                for body, mine in of.items()
+                for body, mine in by_body.items()
                 if all(h.axis.same(mine[0].axis) for h in mine) and self._is_idle(body, mine)
             }
-            tiny = {id(h) for body, mine in of.items() for h in mine if self._share(body) < _TRIFLE}
+            tiny = {id(h) for body, mine in by_body.items() for h in mine if self._share(body) < _TRIFLE}
             gone |= tiny
             if not gone:
                 return hinges
             hinges = [h for h in hinges if id(h) not in gone]
 
-    def _stacked(self, of: Mapping[int, Sequence[Hinge]]) -> set[int]:
+    def _stacked(self, by_body: Mapping[int, Sequence[Hinge]]) -> set[int]:
         """Hinges of bodies that are held on one line alone, where there are several: a stack on a shaft."""
         stacks: list[tuple[Axis, list[Hinge]]] = []
-        for mine in of.values():
+        for mine in by_body.values():
             axis = mine[0].axis
             if any(not h.axis.same(axis) for h in mine):
                 continue
@@ -351,7 +355,7 @@ class _Linkages:
             else:
                 stack.append(mine[0])
         lines = [axis for axis, stack in stacks if len(stack) > _STACK]
-        return {id(h) for mine in of.values() for h in mine if any(axis.same(h.axis) for axis in lines)}
+        return {id(h) for mine in by_body.values() for h in mine if any(axis.same(h.axis) for axis in lines)}
 
     def _is_idle(self, body: int, mine: Sequence[Hinge]) -> bool:
         """Whether a body that is held on one line alone is turned about it, or a tag on what holds it."""
@@ -367,11 +371,11 @@ class _Linkages:
         return self._survey.total_volume(self._bodies.members(body)) / self._survey.volume
 
     def _by_body(self, hinges: Sequence[Hinge]) -> dict[int, list[Hinge]]:
-        of: dict[int, list[Hinge]] = defaultdict(list)
+        by_body: dict[int, list[Hinge]] = defaultdict(list)
         for h in hinges:
-            of[self._bodies.find(h.a)].append(h)
-            of[self._bodies.find(h.b)].append(h)
-        return of
+            by_body[self._bodies.find(h.a)].append(h)
+            by_body[self._bodies.find(h.b)].append(h)
+        return by_body
 
     def _connected(self, hinges: Sequence[Hinge]) -> list[list[Hinge]]:
         tied = Clusters({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})

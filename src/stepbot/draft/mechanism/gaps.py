@@ -336,7 +336,7 @@ class _Seams:
     def _near_each_other(self, spans: dict[int, _Spans]) -> Iterator[tuple[int, int]]:
         far = max(_SEAM, _WIDEST_SHARE * self._survey.extent)
         active: list[tuple[float, int]] = []
-        for low, high, root in sorted((min(of.low), max(of.high), root) for root, of in spans.items()):
+        for low, high, root in sorted((min(seam.low), max(seam.high), root) for root, seam in spans.items()):
             active = [(end, other) for end, other in active if end >= low - far]
             for _, other in active:
                 yield root, other

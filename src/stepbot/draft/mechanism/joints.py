@@ -152,26 +152,26 @@ class Mechanism:
 
     def _drop_spinners(self) -> bool:
         """Unite bodies that only spin about their own axes with their supports, the smallest first; False for none."""
-        of, order = self._of(), {id(j): n for n, j in enumerate(self.joints)}
-        volumes = {root: self._volume(root) for root in of}
+        joints_of, order = self._of(), {id(j): n for n, j in enumerate(self.joints)}
+        volumes = {root: self._volume(root) for root in joints_of}
         waiting = [(volume, root) for root, volume in volumes.items()]
         heapify(waiting)
         while waiting:
             volume, root = heappop(waiting)
             # What was united waits again, with its new volume.
-            if root not in of or volume != volumes[root]:
+            if root not in joints_of or volume != volumes[root]:
                 continue
-            victim = self._held_by(root, of[root], is_one_of_two=len(of) <= 2)
+            victim = self._held_by(root, joints_of[root], is_one_of_two=len(joints_of) <= 2)
             if victim is None:
                 continue
             self._dropped.append(volume)
             other = victim.other(root)
-            ends = of.pop(root) + of.pop(other)
+            ends = joints_of.pop(root) + joints_of.pop(other)
             self._unite(root, other, ends)
             left = {order[id(j)]: j for j in ends if j.a != j.b}
             if left:
                 new = self._clusters.find(root)
-                of[new], volumes[new] = [left[n] for n in sorted(left)], self._volume(new)
+                joints_of[new], volumes[new] = [left[n] for n in sorted(left)], self._volume(new)
                 heappush(waiting, (volumes[new], new))
         return len(self.joints) < len(order)
 
@@ -212,15 +212,15 @@ class Mechanism:
 
     def _unite_in_series(self) -> bool:
         """Unite a body with two joints about one axis, and no other, across the plain one or a face beside a pin."""
-        of = self._of()
-        for middle, joints in sorted(of.items()):
+        joints_of = self._of()
+        for middle, joints in sorted(joints_of.items()):
             if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, max(_SAME_CENTRE, self._off)):
                 continue
             plain, other = sorted(joints, key=lambda j: _firmness(j.evidence))
             weak, strong = plain.evidence, other.evidence
             is_beside = strong.drives and not weak.drives and (weak.is_plain or weak.of_linkage)
             is_seat = _firmness(weak) < _firmness(strong) == _PINNED and weak.priority < Priority.STATED
-            is_beside |= is_seat and len(of[plain.other(middle)]) == 1
+            is_beside |= is_seat and len(joints_of[plain.other(middle)]) == 1
             if is_beside and weak.type == strong.type == JointKind.REVOLUTE:
                 self._decision.guess(self._clusters.members(middle), _IN_SERIES)
                 self.joints.remove(plain)
@@ -230,11 +230,11 @@ class Mechanism:
 
     def _unite_two_sides(self) -> bool:
         """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
-        of = self._of()
-        for hub in sorted(of):
-            turning = [
-                j for j in of[hub] if j.evidence.type == JointKind.REVOLUTE and j.evidence.priority < Priority.STATED
-            ]
+        joints_of = self._of()
+        count = {body: len(joints) for body, joints in joints_of.items()}
+        for hub, joints in sorted(joints_of.items()):
+            turning = [j for j in joints if j.evidence.type == JointKind.REVOLUTE]
+            turning = [j for j in turning if j.evidence.priority < Priority.STATED]
             for m, j in enumerate(turning):
                 for k in turning[m + 1 :]:
                     one, two = j.other(hub), k.other(hub)
@@ -242,15 +242,15 @@ class Mechanism:
                         continue
                     if self._has_wheel(one) or self._has_wheel(two):
                         continue
-                    if len(of[one]) > 1 and len(of[two]) > 1:
+                    if count[one] > 1 and count[two] > 1:
                         continue
                     # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
-                    if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
+                    if count[one] == count[two] == 1 and self._are_equal(one, two):
                         continue
                     is_chain = self._is_carried(hub, j) + self._is_carried(hub, k) == 1
                     if is_chain or self._are_serial(hub, one, two) or (j.evidence.of_linkage and k.evidence.of_linkage):
                         continue
-                    first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
+                    first_goes = count[one] == 1 and (count[two] > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
                     members = self._clusters.members(leaf)
                     if self._move_apart(one, two) or self._is_sun(members, hub, two if leaf == one else one, j.axis):
@@ -392,8 +392,8 @@ def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
 
 def by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:
     """The joints of each cluster."""
-    of: dict[int, list[Joint]] = defaultdict(list)
+    joints_of: dict[int, list[Joint]] = defaultdict(list)
     for j in joints:
-        of[j.a].append(j)
-        of[j.b].append(j)
-    return of
+        joints_of[j.a].append(j)
+        joints_of[j.b].append(j)
+    return joints_of

@@ -88,15 +88,15 @@ _SLIM = 3.0
 
 def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
     """Make one end of each rod of a loop between two ball joints a universal joint; each is to be reviewed."""
-    of = by_cluster(joints)
-    depth = depths(of, root)
-    for rod in sorted(of):
-        ends = of[rod]
+    joints_of = by_cluster(joints)
+    depth = depths(joints_of, root)
+    for rod in sorted(joints_of):
+        ends = joints_of[rod]
         if rod == root or len(ends) != 2 or any(j.evidence.type != JointKind.BALL for j in ends):
             continue
-        if any(j.evidence.priority == Priority.STATED for j in ends) or not _is_in_loop(of, rod, ends):
+        if any(j.evidence.priority == Priority.STATED for j in ends) or not _is_in_loop(joints_of, rod, ends):
             continue
-        near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(of)), j.evidence.a, j.evidence.b))
+        near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(joints_of)), j.evidence.a, j.evidence.b))
         along = far.evidence.axis.point - near.evidence.axis.point
         if float(np.linalg.norm(along)) < 1e-6:
             continue
@@ -107,20 +107,20 @@ def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
         h.review = "universal instead of ball, to keep the rod from spinning; could also be the other end"
 
 
-def _is_in_loop(of: dict[int, list[Joint]], rod: int, ends: Sequence[Joint]) -> bool:
+def _is_in_loop(joints_of: dict[int, list[Joint]], rod: int, ends: Sequence[Joint]) -> bool:
     """Whether both ends of a rod are connected without it: a ball in a chain, as in a neck, is a ball."""
-    rest = {root: [j for j in joints if j not in ends] for root, joints in of.items() if root != rod}
+    rest = {root: [j for j in joints if j not in ends] for root, joints in joints_of.items() if root != rod}
     return ends[1].other(rod) in depths(rest, ends[0].other(rod))
 
 
 def slide_in_struts(joints: Sequence[Joint]) -> None:
     """Make a shaft in a bore between two swivels prismatic."""
-    of = by_cluster(joints)
+    joints_of = by_cluster(joints)
     for j in joints:
         r = j.evidence.relation
         if j.evidence.type != JointKind.REVOLUTE or r is None or r.freedom.kind != FreedomKind.CYLINDRICAL:
             continue
-        others = [[k for k in of[side] if k is not j] for side in (j.a, j.b)]
+        others = [[k for k in joints_of[side] if k is not j] for side in (j.a, j.b)]
         if all(len(rest) == 1 and rest[0].evidence.type in _SWIVELS for rest in others):
             j.evidence.type, j.evidence.review = (
                 JointKind.PRISMATIC,
@@ -195,12 +195,12 @@ def one_per_pair(joints: Sequence[Joint]) -> list[Joint]:
     return [j for j in joints if j.evidence.verdict != Verdict.REPEATED]
 
 
-def depths(of: dict[int, list[Joint]], root: int) -> dict[int, int]:
+def depths(joints_of: dict[int, list[Joint]], root: int) -> dict[int, int]:
     """The number of joints between each cluster and the root."""
     depth, waiting = {root: 0}, deque([root])
     while waiting:
         here = waiting.popleft()
-        for j in of.get(here, ()):
+        for j in joints_of.get(here, ()):
             other = j.other(here)
             if other not in depth:
                 depth[other] = depth[here] + 1

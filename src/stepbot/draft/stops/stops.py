@@ -176,10 +176,10 @@ class _Sweep(Struct, frozen=True, eq=False):
             used, row = np.unique(hit, return_inverse=True)
             triangles = others.triangles(used)
             point = (at[:, None] * _PER_TRIANGLE + np.arange(_PER_TRIANGLE)).reshape(-1)
-            row, of = np.repeat(row, _PER_TRIANGLE), np.repeat(pairs, _PER_TRIANGLE)
+            row, owner = np.repeat(row, _PER_TRIANGLE), np.repeat(pairs, _PER_TRIANGLE)
             kept = touched(points[:, :2] if self.slides else radii_and_heights(points), triangles, point, row)
             follow = ways_along if self.slides else ways_about
-            np.minimum.at(shortest, of[kept], follow(points, triangles, point[kept], row[kept], sign))
+            np.minimum.at(shortest, owner[kept], follow(points, triangles, point[kept], row[kept], sign))
         return shortest
 
     def _way(self, exact: float, still: Indices, moving: Indices, most: float) -> float:

@@ -148,7 +148,7 @@ def _below(top: Any, vocabulary: Vocabulary, surface: Callable[[Any], Mapping[st
         for name, value in element.attrib.items():
             known = read and vocabulary.reads(path, name, str(element.tag))
             each = _by_actuator(top, value) if (element.tag, name) == ("key", "ctrl") else {"": value}
-            yield from (Statement(f"{place}@{name}{of}", one, known) for of, one in each.items())
+            yield from (Statement(f"{place}@{name}{key}", one, known) for key, one in each.items())
         if text := (element.text or "").strip():
             yield Statement(place, text, read)
         for name, value in surface(element).items():

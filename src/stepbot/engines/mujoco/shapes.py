@@ -40,8 +40,10 @@ def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: boo
             shape = ObservedShape(bounds=upright, oblique=oblique)
         if mjcf:
             rgba = None if touched else color_of(compiled, g)
-            of = (model.geom_group, model.geom_contype, model.geom_conaffinity)
-            shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, groups=tuple(int(each[g]) for each in of))
+            flags = (model.geom_group, model.geom_contype, model.geom_conaffinity)
+            shape = replace(
+                shape, name=compiled.name("GEOM", g), rgba=rgba, groups=tuple(int(each[g]) for each in flags)
+            )
         if mjcf and touched:
             shape = replace(shape, surface=surface_of(compiled, g))
         shapes.append(shape)

@@ -239,7 +239,7 @@ class MujocoSimulation:
         for one in self.data.contact[: self.data.ncon]:
             if -one.dist > least and {int(one.geom1), int(one.geom2)} <= self._own:
                 first, second = sorted(self._compiled.name("BODY", int(b)) for b in self.model.geom_bodyid[one.geom])
-                depths[first, second] = max(found.get((first, second), 0.0), -float(one.dist))
+                depths[first, second] = max(depths.get((first, second), 0.0), -float(one.dist))
         return depths
 
     def standing(self) -> Mapping[str, Array]:  # noqa: D102

@@ -65,9 +65,9 @@ def plan(sidecars: Sequence[Path], output: Path, diagnostics: Diagnostics) -> li
     first: dict[str, tuple[Path, str]] = {}
     for (sidecar, variant), name, folder in zip(planned, names, outputs, strict=True):
         for key in (name.casefold(), f"{folder}/".casefold()):
-            other, of = first.setdefault(key, (sidecar, variant))
-            if (other, of) != (sidecar, variant):
-                whose = f"variant '{of}' of '{other.as_posix()}'" if of else f"'{other.as_posix()}'"
+            other, earlier = first.setdefault(key, (sidecar, variant))
+            if (other, earlier) != (sidecar, variant):
+                whose = f"variant '{earlier}' of '{other.as_posix()}'" if earlier else f"'{other.as_posix()}'"
                 message = f"{whose} has the same name '{name}' and output folder"
                 help = ["rename one of the sidecars or its folder"]
                 diagnostics.add("SB008", message, Span(sidecar.as_posix()), help=help)

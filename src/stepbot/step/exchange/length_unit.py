@@ -53,10 +53,10 @@ def read_length_unit(session: Any, place: str, diagnostics: Diagnostics) -> Leng
         else:
             units[unit] += 1
     if missing:
-        of = f"{missing} of {missing + units.total()} shapes do" if units else "the file does"
+        without = f"{missing} of {missing + units.total()} shapes do" if units else "the file does"
         diagnostics.add(
             "SB207",
-            f"{of} not declare a length unit",
+            f"{without} not declare a length unit",
             Span(place),
             help=["export with a CAD program that writes the unit", "add a LENGTH_UNIT to the geometric context"],
         )
