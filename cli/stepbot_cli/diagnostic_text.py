@@ -30,6 +30,8 @@ _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
 _SUBJECT = re.compile(r"'[^']+'")
 """The first name in quotes: the subject of a message."""
+_NAMES = re.compile(rf"((?:'[^']*', ){{{MOST_SUBJECTS}}})((?:'[^']*', )*'[^']*')")
+"""A list of more names than the default output shows."""
 _NUMBER = re.compile(r"(?<![\w#])[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 
@@ -62,12 +64,12 @@ def screen(
         counts: Whether to end with the number of each severity.
     """
     causes = _by_cause(diagnostic for diagnostic in diagnostics if diagnostic.severity != "note")
-    in_full, brief, folded = _sorted_out(causes)
+    in_full, brief, folded = _sorted_out([_with_fewer_names(one) for one in causes])
     lines = [full(in_full, color=color, width=width or FRAME_WIDTH, most_notes=MOST_NOTES), ""] if in_full else []
     lines += [*(_headline(error, color) for error in brief), ""] if brief else []
     lines += [_fold(of_code, color, width) for of_code in folded]
     if counts:
-        in_part = brief or folded or any(len(one.notes) > MOST_NOTES for one in in_full)
+        in_part = brief or folded or any(len(one.notes) > MOST_NOTES or _NAMES.search(one.message) for one in causes)
         all_shown = not in_part and len(causes) == len(diagnostics)
         lines.append(summary(diagnostics, all_shown=all_shown, ignored=ignored))
     return "\n".join(lines).rstrip()
@@ -129,6 +131,17 @@ def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:
         return diagnostic
     more = counted(rest, "more note")
     return diagnostic._replace(notes=(*diagnostic.notes[:most], more))
+
+
+def _with_fewer_names(diagnostic: Diagnostic) -> Diagnostic:
+    """The diagnostic with the first of many names in its message, and the number of the others."""
+    rest = _NAMES.search(diagnostic.message)
+    if rest is None:
+        return diagnostic
+    number = len(re.findall(r"'[^']*'", rest[2]))
+    return diagnostic._replace(
+        message=_NAMES.sub(lambda names: f"{names[1][:-2]} and {number} more", diagnostic.message, count=1)
+    )
 
 
 def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[Diagnostic], list[list[Diagnostic]]]:

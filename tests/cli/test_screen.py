@@ -86,6 +86,18 @@ def test_repeated_warnings_are_counted() -> None:
     assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v shows all)")
 
 
+def test_long_lists_of_names_are_cut() -> None:
+    """The default output has the first names of a message and the number of the others; -v has all."""
+    names = ", ".join(f"'mesh {n}'" for n in range(40))
+    many = Diagnostic("SB872", "warning", f"textures not converted: {names}, in OBJ", Span("a.urdf"))
+    text = diagnostic_text.screen([many])
+    assert "'mesh 11' and 28 more, in OBJ\n" in text
+    assert text.endswith("-v shows all)")
+    assert "'mesh 39'" in diagnostic_text.full([many])
+    few = many._replace(message=f"textures not converted: {', '.join(names.split(', ')[:12])}")
+    assert "more" not in diagnostic_text.screen([few]).splitlines()[0]
+
+
 def test_long_lists_of_notes_are_cut() -> None:
     """The default output has the first notes of a finding; -v has all."""
     many = finding("warning", "SB512", 1)._replace(notes=tuple(f"pair {number}" for number in range(9)))

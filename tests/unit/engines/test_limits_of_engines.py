@@ -69,6 +69,24 @@ def test_links_that_mujoco_cannot_have(tmp_path: Path) -> None:
         engine_of("mujoco").observer.observe(Request(str(tmp_path / "r.urdf"), "urdf"))
 
 
+def test_light_links_in_a_gimbal(tmp_path: Path) -> None:
+    """Near its lock, MuJoCo cannot invert the mass matrix of a fly's leg: a note for a URDF, which has no armature."""
+    small = _BODY.replace('"1"', '"2e-14"').replace('mass value="2e-14"', 'mass value="1e-9"')
+    links = f'<link name="l0">{_BODY}</link>' + "".join(
+        f'<link name="l{n}">{small * (n == 3)}</link>' for n in (1, 2, 3)
+    )
+    joints = "".join(
+        f'<joint name="j{n}" type="continuous"><parent link="l{n - 1}"/><child link="l{n}"/>'
+        f'<axis xyz="{axis}"/></joint>'
+        for n, axis in enumerate(("0 0 1", "0 1 0", "1 0 0"), 1)
+    )
+    (path := tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>', encoding="utf-8")
+    request = Request(str(path), "urdf", configurations=({"j1": 0.0, "j2": 1.5707, "j3": 0.0},), simulate=0.0)
+    seen = engine_of("mujoco").observer.observe(request)
+    assert seen.warnings == ()
+    assert any("armature" in note for note in seen.notes)
+
+
 def test_closure_between_links_that_do_not_move(tmp_path: Path) -> None:
     """There is nothing to solve for, and the gap is measured."""
     path = tmp_path / "r.xml"

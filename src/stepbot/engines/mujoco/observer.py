@@ -55,6 +55,8 @@ _READABLE = (".obj", ".stl", ".msh")
 _ABOUT_SIZE = ("inertia must have positive eigenvalues", "must be larger than mjMINVAL")
 _TOO_SMALL = "MuJoCo has no moving link below 1e-15 kg or 1e-14 kg m^2"
 _CHECK = "check the length unit and the densities; for a robot of a few millimetres, leave out MJCF (`-f urdf,sdf`)"
+_SINGULAR = "Inertia matrix is too close to singular"
+_TOO_LIGHT = "without the armature that URDF lacks, links of several joints in a row are too light for MuJoCo"
 _FOR_COMPILING = 1e-6
 """Temporary mass [kg] and moments of inertia [kg m^2] of massless moving links while MuJoCo compiles."""
 HOME = "home"
@@ -95,6 +97,9 @@ def observe(request: Request) -> Observation:
                 del warnings[known:]
         if request.format == "urdf":
             observation = replace(observation, joints=_without_ignored_bounds(observation.joints, warnings, request))
+            light = [text for text in dict.fromkeys(warnings) if text.startswith(_SINGULAR)]
+            notes = (*notes, *(f"{_TOO_LIGHT}: {text}" for text in light))
+            warnings[:] = [text for text in warnings if text not in light]
     notes = (*replaced, *notes, *_strays(compiled))
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
 
