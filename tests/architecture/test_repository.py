@@ -1,5 +1,6 @@
 """Rules for the repository as a whole."""
 
+import ast
 import re
 import subprocess
 import tomllib
@@ -53,6 +54,39 @@ def test_files_and_functions_stay_small() -> None:
         for file in (ROOT / root).rglob("*.py")
     }
     assert {file: size for file, size in sizes.items() if size > 400} == {}
+
+
+def test_names_state_what_they_hold() -> None:
+    """No variable is called `found`: a noun states what was found."""
+    named = [
+        f"{file.relative_to(ROOT)}:{node.lineno}"
+        for root in OURS
+        for file in (ROOT / root).rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if (isinstance(node, ast.Name) and node.id == "found") or (isinstance(node, ast.arg) and node.arg == "found")
+    ]
+    assert not named
+
+
+def test_docstrings_describe_parameters_that_exist() -> None:
+    """Each name below ``Args:`` is a parameter of the function."""
+    functions = [
+        (file, node)
+        for root in OURS
+        for file in (ROOT / root).rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
+    described = 0
+    for file, function in functions:
+        _, _, arguments = (ast.get_docstring(function) or "").partition("Args:\n")
+        stated = set(
+            re.findall(r"^    \*{0,2}(\w+): ", re.split(r"^\S", arguments, flags=re.MULTILINE)[0], re.MULTILINE)
+        )
+        known = {node.arg for node in ast.walk(function.args) if isinstance(node, ast.arg)}
+        described += len(stated)
+        assert stated <= known, f"{file.relative_to(ROOT)}:{function.lineno} {function.name}: {sorted(stated - known)}"
+    assert described > 500
 
 
 def test_heavy_imports_live_in_one_place() -> None:

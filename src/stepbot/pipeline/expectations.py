@@ -164,7 +164,7 @@ def report_passed_stops(sidecar: Sidecar, built: Built, assembly: Assembly, diag
             joints.append(joint)
             questions.append(Question(slides, np.array(row.origin), np.array(row.axis), still, moving))
     for joint, stops in zip(joints, find_stops(questions), strict=True):
-        passed = [stop for stop in stops.found if _beyond(joint, stop) > _SLACK[joint.kind]]
+        passed = [stop for stop in stops.stops if _beyond(joint, stop) > _SLACK[joint.kind]]
         if not passed:
             continue
         words = partial(position, slides=joint.kind is JointKind.PRISMATIC)

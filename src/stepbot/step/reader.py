@@ -1,7 +1,7 @@
 """Reads STEP files: the kernel runs in a separate process, so that any failure becomes a diagnostic.
 
 reading = start_reading(path, options)      the kernel loads and reads while the caller continues
-assembly = reading.finish(found)            waits; None where nothing can be read, incomplete where files are missing
+assembly = reading.finish(diagnostics)      waits; None where nothing can be read, incomplete where files are missing
 """
 
 import ctypes.util

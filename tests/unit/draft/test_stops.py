@@ -41,7 +41,7 @@ def test_lugs_stop_a_turn_where_they_meet() -> None:
     moving = box(1, (RADIUS, 0.0, 0.0), lug)
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
     (answer,) = find_stops((turning((still,), (moving,)),))
-    lower, upper = answer.found
+    lower, upper = answer.stops
     # Sides at half a width from the radial line meet where both are at the inner radius, 20 mm.
     half = asin(0.5 * WIDTH / np.hypot(0.02, 0.5 * WIDTH))
     assert upper.position == pytest.approx(0.5 * pi - 2.0 * half, abs=1e-3)
@@ -61,7 +61,7 @@ def test_slide_stops_at_both_ends() -> None:
     floor = box(3, (0.0, 0.0, -0.01), (0.2, 0.02, 0.01))
     question = Question(True, np.zeros(3), np.array([1.0, 0.0, 0.0]), (*cheeks, floor), (block,))
     (answer,) = find_stops((question,))
-    lower, upper = answer.found
+    lower, upper = answer.stops
     assert (lower.position, lower.still) == (pytest.approx(-0.01, abs=1e-4), 0)
     assert (upper.position, upper.still) == (pytest.approx(0.03, abs=1e-4), 1)
 
@@ -69,7 +69,7 @@ def test_slide_stops_at_both_ends() -> None:
 def test_parts_that_meet_as_drawn_are_no_stop() -> None:
     """Lugs that overlap as drawn give no stop."""
     still, moving = box(0, (RADIUS, 0.0, 0.0), (0.02, 0.01, 0.01)), box(1, (RADIUS, 0.002, 0.001), (0.02, 0.01, 0.01))
-    assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0].found)
+    assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0].stops)
 
 
 def test_same_stops_every_time() -> None:
@@ -97,7 +97,7 @@ def test_the_nearest_of_several_stops_is_found_in_any_order() -> None:
     moving = box(4, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
     for still in (lugs, lugs[::-1]):
         (answer,) = find_stops((turning(tuple(still), (moving,)),))
-        assert [stop.still for stop in answer.found] == [3, 1]
+        assert [stop.still for stop in answer.stops] == [3, 1]
 
 
 def test_a_way_beyond_the_longest_that_matters_is_infinite() -> None:

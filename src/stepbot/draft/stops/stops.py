@@ -84,9 +84,9 @@ class Stop(Struct, frozen=True):
 
 
 class Stops(Struct, frozen=True):
-    """What was found of a joint."""
+    """The stops of a joint by collision."""
 
-    found: tuple[Stop, ...]
+    stops: tuple[Stop, ...]
     """The first stop in either direction, where there is one."""
     skipped: int = 0
     """Pairs of parts that were not compared, because the work is bounded; one of them may stop the joint earlier."""
@@ -212,7 +212,7 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     shapes, paths = Shapes(assembly), [component.path for component in assembly.components]
     answers = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
     stopped = {
-        joint.name: _stopped(replace(joint, stops=_named(stops.found, joint, paths), stops_skipped=stops.skipped))
+        joint.name: _stopped(replace(joint, stops=_named(stops.stops, joint, paths), stops_skipped=stops.skipped))
         for joint, stops in zip(asked, answers, strict=True)
     }
     return replace(draft, joints=tuple(stopped.get(joint.name, joint) for joint in draft.joints))
