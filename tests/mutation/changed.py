@@ -47,7 +47,8 @@ def library_builds(names: Sequence[str]) -> dict[str, Callable[[], Robot]]:
 
 
 def _build(name: str) -> Robot:
-    robot = convert(library_robot(name).sidecar, Options(Path(name), verify=False)).robot
+    with tempfile.TemporaryDirectory() as folder:
+        robot = convert(library_robot(name).sidecar, Options(Path(folder, name), verify=False)).robot
     assert robot is not None
     return robot
 

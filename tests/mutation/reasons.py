@@ -52,13 +52,9 @@ _SDFORMAT = (
     (r"dynamics/friction", "Drake has no joint friction"),
 )
 _MJCF = (
-    (r"mujoco/option(@.*)?", "settings of the simulation, not of the robot"),
     (r"mujoco/compiler(@angle)?", "no angle in the file"),
-    (r"default/(equality|site)(@.*)?", "stiffness of closures, and the group of sites that viewers do not draw"),
-    (r"default/geom@(solref|solimp)", "stiffness of contacts, of which the robot states none"),
     (r"worldbody/body@pos", "the height at which a floating base stands in its world"),
     (r"body/inertial@diaginertia", "zero: a massless link"),
-    (r"body/site@class|equality/.*@class", "its settings alone: group or stiffness"),
     (r"actuator/\w+@name", "an actuator without a name is matched by its joint"),
     (r"body/freejoint@name", "the free joint of the base is not a joint of the robot"),
     (r"body/geom@pos", "at the link's origin, except for rounding of a product of poses"),

@@ -1,5 +1,6 @@
 """Every way to remove one element or one attribute of an XML file."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,6 +14,10 @@ UNREAD = {
     "mjcf": (),
 }
 """Blocks that no engine reads, by format; counted separately."""
+_SETTINGS = re.compile(
+    r"mujoco/option(@.*)?|default/(equality|site)(@.*)?|default/geom@(solref|solimp)|(body/site|equality/.*)@class"
+)
+"""Settings of simulations and viewers in MJCF, by kind, which are not of the robot: they count with the blocks."""
 
 
 class Removal(Struct, frozen=True):
@@ -23,7 +28,7 @@ class Removal(Struct, frozen=True):
     kind: str
     """Kind: ``element`` or ``element@attribute``, with the tag of the element above, for tables."""
     unread: bool
-    """Whether it is in a block that no engine reads."""
+    """Whether it is in a block that no engine reads, or a setting that is not of the robot."""
     content: bytes
     """The file without it."""
 
@@ -45,6 +50,7 @@ def removals(content: bytes, written_in: str) -> Iterator[Removal]:
                 above.remove(element)
             else:
                 continue
+            unread = unread or (written_in == "mjcf" and _SETTINGS.fullmatch(kind) is not None)
             yield Removal(path, kind, unread, etree.tostring(top, encoding="UTF-8", xml_declaration=True))
 
 
