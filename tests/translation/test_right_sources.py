@@ -623,9 +623,11 @@ def test_two_contacts_of_one_link(tmp_path: Path) -> None:
     assert "lateral_friction" not in written
 
 
-def test_a_rest_without_a_spring(tmp_path: Path) -> None:
-    """A spring reference without stiffness moves nothing, and is not written."""
-    turn = '<body name="arm" pos="0 0 0.5"><joint name="turn" axis="0 1 0" springref="0.4"/><geom size="0.1"/></body>'
+@pytest.mark.parametrize("second", ["", '<joint name="slide" type="slide" springref="-0.4"/>'], ids=["one", "two"])
+def test_a_rest_without_a_spring(second: str, tmp_path: Path) -> None:
+    """A spring reference without stiffness moves nothing, and is not written; also of several joints in one body."""
+    turn = f'{second}<joint name="turn" axis="0 1 0" springref="0.4"/><geom size="0.1"/>'
+    turn = f'<body name="arm" pos="0 0 0.5">{turn}</body>'
     text = f'<worldbody><body name="base"><geom size="0.1"/>{turn}</body></worldbody>'
     proven(tmp_path, ".xml", f'<mujoco model="robot">{text}</mujoco>', "urdf", "sdf", "mjcf")
 

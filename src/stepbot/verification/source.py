@@ -161,8 +161,8 @@ def _comparable(gathered: Gathered) -> Gathered:
 
     These are the name of the robot, names of shapes to which the source gives none or that several of a link have,
     names that are not valid, shapes without end, colours of shapes without one, contact properties that are PyBullet's
-    own, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0, where springs without
-    stiffness are at rest, and ambient colours: one that is not the diffuse colour is reported as lost.
+    own, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0, and ambient colours: one
+    that is not the diffuse colour is reported as lost.
     """
     seen = gathered.observation
 
@@ -186,14 +186,8 @@ def _comparable(gathered: Gathered) -> Gathered:
         replace(link, visuals=plain(link.visuals, "visual"), collisions=plain(link.collisions, "collision"))
         for link in map(_with_ends, seen.links)
     )
-    joints = tuple(
-        replace(joint, dynamics=replace(joint.dynamics, spring_reference=0.0))
-        if joint.dynamics is not None and not joint.dynamics.stiffness
-        else joint
-        for joint in seen.joints
-    )
     bare = replace(
-        without_stand_ins(replace(seen, name=None, links=links, joints=joints)),
+        without_stand_ins(replace(seen, name=None, links=links)),
         closures=_with_valid_names(seen.closures, "closure"),
         actuators=_with_own_names(_with_valid_names(seen.actuators, "actuator")),
         sensors=_with_own_names(_with_valid_names(seen.sensors, "sensor")),
