@@ -119,8 +119,8 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
             joined = {word.replace("-", ""): word for word in (*families, *names)}
             wanted = joined.get(wanted.replace("-", ""), wanted)
         if wanted in names:
-            motor = names[wanted]
-            return Found(motor, own[motor] if names is of_own[0] else catalogue_motor(motor))
+            name = names[wanted]
+            return Found(name, own[name] if names is of_own[0] else catalogue_motor(name))
         if wanted in families:
             raise AmbiguousMotor(name, families[wanted])
         known |= {word: (one,) for word, one in names.items()} | families
@@ -173,7 +173,7 @@ def default_kind(motor: MotorSection, joint: JointKind) -> ActuatorKind:
     return ActuatorKind.VELOCITY if turns and motor.kind is not MotorKind.STEPPER else ActuatorKind.POSITION
 
 
-def fitted(motor_and_ratings: Found, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
+def fitted(ratings: Found, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
     """What a motor gives an actuator.
 
     Args:
@@ -184,7 +184,7 @@ def fitted(motor_and_ratings: Found, joint: JointKind, voltage: float | None, ge
     Raises:
         UnscalableMotor: It has no figures for this supply, or does not move such a joint.
     """
-    name, motor = motor_and_ratings
+    name, motor = ratings
     linear, slides = motor.kind is MotorKind.LINEAR, joint is JointKind.PRISMATIC
     if linear and not slides:
         raise UnscalableMotor(f"'{name}' is a linear drive, and the joint turns")
