@@ -7,7 +7,7 @@ that is exactly that of a face differs from such a reference by the rounding.
 import numpy as np
 
 from stepbot.draft.draft_robot import Origins
-from stepbot.draft.inference import Inferred
+from stepbot.draft.inference import InferredMechanism
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
@@ -25,7 +25,7 @@ _REVOLVED = (FaceKind.CYLINDER, FaceKind.CONE, FaceKind.TORUS)
 class AxisAccuracy:
     """Compares axes as the draft writes them with the true ones."""
 
-    def __init__(self, inferred: Inferred, truth: Truth) -> None:
+    def __init__(self, inferred: InferredMechanism, truth: Truth) -> None:
         self._scene, self._truth = inferred.survey.scene, truth
         self._origins = Origins(inferred.survey.assembly)
         self._link_of = {i: n for n, members in enumerate(inferred.links) for i in members}

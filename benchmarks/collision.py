@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import Wanted, collision_sets
+from stepbot.geometry.solids.collision_scores import UnscoredSolids, collision_scores
+from stepbot.geometry.solids.collision_sets import CollisionRequest, collision_sets
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.solids.primitive_fits import RoundFace
 from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
@@ -68,7 +68,7 @@ def _stepbot(body: Body) -> list[TriMesh]:
     bores = [
         RoundFace(np.array(f.point), np.array(f.direction), f.radius) for f in body.axis_faces if f.bore and not f.cone
     ]
-    wanted = Wanted((PlacedSolid(body.mesh, IDENTITY),), 0.0, (), tuple(bores), False, CLOSE, MANY, 10_000)
+    wanted = CollisionRequest((PlacedSolid(body.mesh, IDENTITY),), 0.0, (), tuple(bores), False, CLOSE, MANY, 10_000)
     (made,) = collision_sets([wanted])
     return [shape.geometry for shape in made.shapes if isinstance(shape.geometry, TriMesh)]
 
@@ -107,7 +107,7 @@ def _measured(decompose: Callable[[Body], list[TriMesh]], body: Body, answers: A
     seconds = time.process_time() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     shapes = tuple(PlacedShape(piece, IDENTITY) for piece in pieces)
-    (score,) = collision_scores([Unscored((PlacedSolid(body.mesh, IDENTITY),), 0.0, shapes)])
+    (score,) = collision_scores([UnscoredSolids((PlacedSolid(body.mesh, IDENTITY),), 0.0, shapes)])
     answers.put((float(len(pieces)), score.iou or 0.0, seconds, peak))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from msgspec import Struct, field
 
 from stepbot.draft.draft import SURE
-from stepbot.draft.inference import Inferred
+from stepbot.draft.inference import InferredMechanism
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
@@ -42,7 +42,7 @@ class Score(Struct):
     root: bool = False
 
 
-def score(inferred: Inferred, truth: Truth) -> Score:
+def score(inferred: InferredMechanism, truth: Truth) -> Score:
     """Compare the inferred mechanism with the true one."""
     result = Score(true=len(truth.joints))
     link_of = _assigned(inferred, truth)
@@ -103,7 +103,7 @@ def _is_on(axis: Axis, kind: JointKind, joint: TrueJoint) -> bool:
     return unit_distance(joint.point, axis.point, axis.d) < DISTANCE
 
 
-def _assigned(inferred: Inferred, truth: Truth) -> dict[int, str]:
+def _assigned(inferred: InferredMechanism, truth: Truth) -> dict[int, str]:
     """The true link of each inferred one: the largest common volume first, each true one once.
 
     Inferred links with a fixed joint between them are one, as true ones are: a placeholder moves nothing.
@@ -125,7 +125,7 @@ def _assigned(inferred: Inferred, truth: Truth) -> dict[int, str]:
     return {n: found[group] for n, group in enumerate(one) if group in found}
 
 
-def _placed(inferred: Inferred, truth: Truth, link_of: dict[int, str]) -> float:
+def _placed(inferred: InferredMechanism, truth: Truth, link_of: dict[int, str]) -> float:
     total = right = 0.0
     for n, members in enumerate(inferred.links):
         for i in members:

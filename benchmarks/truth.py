@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
-from stepbot.assemble.frames import Frames, Wanted
+from stepbot.assemble.frames import Frames, OriginRequest
 from stepbot.assemble.joints import tree_order
 from stepbot.assemble.material_assignment import assign_materials
 from stepbot.diagnostics import Diagnostics
@@ -69,7 +69,9 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
         axis = X.turn(getattr(joint, "axis", (0.0, 0.0, 1.0)))
         joints.append(TrueJoint(name, joint.type, joint.parent, joint.child, X.p, axis, second))
     for name, closure in document.closures.items():
-        X = frames.resolve(closure.origin, Wanted(("closures", name, "origin"), (closure.link_a, closure.link_b)))
+        X = frames.resolve(
+            closure.origin, OriginRequest(("closures", name, "origin"), (closure.link_a, closure.link_b))
+        )
         if X is None:
             raise ValueError("; ".join(d.message for d in found))
         axis = X.turn(closure.axis)

@@ -12,7 +12,7 @@ from msgspec import Struct, field
 
 from robot_library.step_file import moved
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
-from stepbot.draft.inference import Inferred, infer_mechanism
+from stepbot.draft.inference import InferredMechanism, infer_mechanism
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
 from stepbot.geometry.volume import VolumeProperties
@@ -91,17 +91,17 @@ def reexported(*nodes: Node, to: Any = _NOWHERE) -> list[Node]:
     return found
 
 
-def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> Inferred:
+def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> InferredMechanism:
     """The mechanism inferred from some nodes."""
     return infer_mechanism(assembled(*nodes), sources)
 
 
-def links(found: Inferred) -> list[set[str]]:
+def links(found: InferredMechanism) -> list[set[str]]:
     """The paths of the parts of each link."""
     return [{found.survey.parts[i].path for i in members} for members in found.links]
 
 
-def joints(found: Inferred) -> list[tuple[str, str, str]]:
+def joints(found: InferredMechanism) -> list[tuple[str, str, str]]:
     """Type and the larger parts' paths of both sides of each joint, sorted; without placeholders."""
     rows = []
     for arc in found.arcs:
@@ -111,7 +111,7 @@ def joints(found: Inferred) -> list[tuple[str, str, str]]:
     return sorted(rows)
 
 
-def _largest(found: Inferred, link: int) -> str:
+def _largest(found: InferredMechanism, link: int) -> str:
     parts = [found.survey.parts[i] for i in found.links[link]]
     return max(parts, key=lambda p: (p.volume, p.path)).path
 

@@ -20,7 +20,7 @@ from .terminal import Display, show_diagnostics, write_document, write_json, wri
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Conversion, Options
-    from stepbot.pipeline.scenes import Shown
+    from stepbot.pipeline.scenes import ShownScene
     from stepbot.serving.session import Session
 
 
@@ -55,7 +55,7 @@ def command(
     if diagnostics.has_errors:
         return _refuse(diagnostics, display)
 
-    def changed(session: "Session", shown: "Shown") -> None:
+    def changed(session: "Session", shown: "ShownScene") -> None:
         show_diagnostics(shown.diagnostics, display)
         write_result(f"{printable(session.target.as_posix())}: {'errors' if shown.diagnostics.has_errors else 'shown'}")
         if not shown.diagnostics.has_errors:

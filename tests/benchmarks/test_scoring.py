@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from benchmarks.scoring import score
 from benchmarks.truth import Truth, read_truth
 from stepbot.diagnostics import Diagnostics
-from stepbot.draft.inference import Inferred, infer_mechanism
+from stepbot.draft.inference import InferredMechanism, infer_mechanism
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
@@ -17,7 +17,7 @@ FOUR_BAR = Path(__file__).parents[2] / "robot_library" / "stepbot_four_bar"
 
 
 @pytest.fixture(scope="module")
-def four_bar() -> tuple[Inferred, Truth]:
+def four_bar() -> tuple[InferredMechanism, Truth]:
     """The inferred and the true robot of the four-bar."""
     found = Diagnostics()
     assembly = read_assembly(FOUR_BAR / "four_bar.step", ReadOptions(faces=True), found)
@@ -26,7 +26,7 @@ def four_bar() -> tuple[Inferred, Truth]:
 
 
 @pytest.mark.slow
-def test_all_right(four_bar: tuple[Inferred, Truth]) -> None:
+def test_all_right(four_bar: tuple[InferredMechanism, Truth]) -> None:
     """The four joints of a four-bar, one of them a closure, count as found."""
     result = score(*four_bar)
     assert (result.true, result.found, result.seen, result.wrong, result.root) == (4, 4, 4, [], True)
@@ -34,7 +34,7 @@ def test_all_right(four_bar: tuple[Inferred, Truth]) -> None:
     assert (result.exact, result.undrawn) == (4, 0)
 
 
-def test_an_axis_2_micrometres_off_is_found_and_not_exact(four_bar: tuple[Inferred, Truth]) -> None:
+def test_an_axis_2_micrometres_off_is_found_and_not_exact(four_bar: tuple[InferredMechanism, Truth]) -> None:
     """A reference beside the axis that the faces of both links have is not drawn; its joint is found, not exactly."""
     inferred, truth = four_bar
     moved = [replace(truth.joints[0], point=truth.joints[0].point + 2e-6), *truth.joints[1:]]
@@ -42,7 +42,7 @@ def test_an_axis_2_micrometres_off_is_found_and_not_exact(four_bar: tuple[Inferr
     assert (result.found, result.exact, result.undrawn) == (4, 3, 1)
 
 
-def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> None:
+def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[InferredMechanism, Truth]) -> None:
     """A hinge drafted as a slide counts as wrong, not as found; its axis counts as found."""
     inferred, truth = four_bar
     inferred.arcs[0].evidence.type = JointKind.PRISMATIC
@@ -54,7 +54,7 @@ def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> Non
 
 
 @pytest.mark.slow
-def test_a_link_torn_apart_loses_volume(four_bar: tuple[Inferred, Truth]) -> None:
+def test_a_link_torn_apart_loses_volume(four_bar: tuple[InferredMechanism, Truth]) -> None:
     """Parts in the wrong link count by their volume."""
     inferred, truth = four_bar
     moved = inferred.links[0].pop()

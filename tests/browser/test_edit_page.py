@@ -8,7 +8,7 @@ from threading import Event, Thread
 import numpy as np
 import pytest
 
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.serving.session import Session
 from stepbot.serving.watching import follow
 
@@ -25,10 +25,10 @@ def opened(edited: Callable[[str], Session], robot_library: Path) -> Session:
 
 
 @pytest.fixture
-def followed(opened: Session) -> Iterator[tuple[Session, list[Shown]]]:
+def followed(opened: Session) -> Iterator[tuple[Session, list[ShownScene]]]:
     """The same, with saves of other programs followed, and what was read."""
     ended = Event()
-    heard: list[Shown] = []
+    heard: list[ShownScene] = []
     thread = Thread(target=follow, args=(opened, heard.append, ended))
     thread.start()
     yield opened, heard
@@ -37,7 +37,7 @@ def followed(opened: Session) -> Iterator[tuple[Session, list[Shown]]]:
     assert not thread.is_alive()
 
 
-def test_saves_of_other_programs_are_shown(page: Page, followed: tuple[Session, list[Shown]]) -> None:
+def test_saves_of_other_programs_are_shown(page: Page, followed: tuple[Session, list[ShownScene]]) -> None:
     """Saves of other programs are on the page, with errors or without; edits of the page are not read again."""
     session, heard = followed
     page.run("stepbot.state.select({connection: 'rocker_swing'})")

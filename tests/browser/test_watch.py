@@ -8,7 +8,7 @@ from threading import Event, Thread
 
 import pytest
 
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.serving.session import Session
 
 from .page import Page
@@ -24,7 +24,7 @@ def edited(session: Callable[[Path], Session], robot_library: Path, tmp_path: Pa
     shutil.copytree(robot_library / "stepbot_arm2", folder)
     served = session(folder / "arm2.robot.yaml")
     ended = Event()
-    heard: list[Shown] = []
+    heard: list[ShownScene] = []
     thread = Thread(target=watching.watch, args=([served], lambda _, shown: heard.append(shown), ended))
     thread.start()
     yield served

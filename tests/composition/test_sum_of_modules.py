@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Pose
-from stepbot.pipeline.composing import Composed, compose
+from stepbot.pipeline.composing import ComposedRobot, compose
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.loading import Geometry, _GeometryCache
 from stepbot.pipeline.stages import produce
@@ -275,7 +275,7 @@ def test_engines_are_compared_with_the_module_alone(
     )
     (tmp_path / "r.robot.yaml").write_text(composing(*modules))
 
-    def tampered(*arguments: Any) -> Composed:
+    def tampered(*arguments: Any) -> ComposedRobot:
         made = compose(*arguments)
         alone = (
             one._replace(robot=OTHERS[quantity](one.robot)) if one.module.name == module else one

@@ -9,7 +9,7 @@ from msgspec import Struct, field
 from msgspec.structs import asdict
 
 from stepbot.draft.draft import SURE
-from stepbot.draft.inference import Inferred, infer_mechanism
+from stepbot.draft.inference import InferredMechanism, infer_mechanism
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 
@@ -62,7 +62,7 @@ def scored(kit: Kit) -> Result:
     return compared(kit, infer_mechanism(assembly), by_path)
 
 
-def compared(kit: Kit, found: Inferred, by_path: Mapping[str, str]) -> Result:
+def compared(kit: Kit, found: InferredMechanism, by_path: Mapping[str, str]) -> Result:
     """Compare what was inferred of a drawn mechanism with its truth: the link of each part, by its path."""
     assert {found.root, *(arc.child for arc in found.arcs)} == set(range(len(found.links))), "a link is not connected"
     link_of = {i: by_path[part.path] for i, part in found.survey.parts.items() if by_path[part.path] != SCREWS}
@@ -88,7 +88,7 @@ def compared(kit: Kit, found: Inferred, by_path: Mapping[str, str]) -> Result:
 
 
 def _match(
-    kit: Kit, found: Inferred, one: list[int], means: dict[int, str], home: dict[str, int], result: Result
+    kit: Kit, found: InferredMechanism, one: list[int], means: dict[int, str], home: dict[str, int], result: Result
 ) -> None:
     moving = [arc for arc in found.arcs if arc.evidence.type != JointKind.FIXED]
     right: set[int] = set()

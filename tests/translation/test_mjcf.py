@@ -5,7 +5,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from stepbot.described.robot import Described, robot_of_description
+from stepbot.described.robot import DescribedRobot, robot_of_description
 from stepbot.engines.describe import describe
 from stepbot.engines.observation import Quantity
 from stepbot.jobs.incremental import convert
@@ -69,12 +69,12 @@ def leg(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def described(leg: Path) -> Described:
+def described(leg: Path) -> DescribedRobot:
     """Its robot."""
     return robot_of_description(describe(str(leg), "mjcf"), "leg", leg.name)
 
 
-def test_defaults_angles_and_names(described: Described) -> None:
+def test_defaults_angles_and_names(described: DescribedRobot) -> None:
     """Classes of an included file apply; limits are in radians; what has no name gets one; ref moves zero."""
     robot = described.robot
     assert robot.base is Base.FLOATING
@@ -96,7 +96,7 @@ def test_defaults_angles_and_names(described: Described) -> None:
     assert robot.simulation.timestep == 0.004
 
 
-def test_shapes_are_visuals_collisions_or_both(described: Described) -> None:
+def test_shapes_are_visuals_collisions_or_both(described: DescribedRobot) -> None:
     """A geom that collides is shown, too, unless its group is hidden; one without contact bits is a visual alone."""
     links = described.robot.link_by_name
     counts = {name: (len(links[name].visuals), len(links[name].collisions)) for name in ("trunk", "toe_a", "toe_b")}
@@ -104,7 +104,7 @@ def test_shapes_are_visuals_collisions_or_both(described: Described) -> None:
     assert links["trunk"].visuals[0].rgba == (1.0, 0.0, 0.0, 1.0)
 
 
-def test_actuators_of_other_kinds_are_listed(described: Described) -> None:
+def test_actuators_of_other_kinds_are_listed(described: DescribedRobot) -> None:
     """Servos, velocity drives and motors are converted; others are reported, and a range that is not symmetric."""
     kinds = {one.name: (one.kind.value, one.kp, one.kv, one.gear) for one in described.robot.actuators}
     assert kinds == {

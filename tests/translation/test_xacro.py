@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.macros.expansion import expand
-from stepbot.engines.macros.expressions import Expanded
+from stepbot.engines.macros.expressions import Expansion
 from stepbot.engines.observation import Quantity
 from stepbot.jobs.incremental import check, convert
 from stepbot.pipeline.conversion import Options
@@ -53,14 +53,14 @@ def legs(tmp_path: Path) -> Path:
     return package / "urdf" / "legs.urdf.xacro"
 
 
-def expanded(file: Path, **arguments: str) -> Expanded:
+def expanded(file: Path, **arguments: str) -> Expansion:
     """What a file expands to, in a process of its own."""
     with Worker(f"{expand.__module__}:{expand.__name__}") as worker:
-        found: Expanded = worker.submit(str(file), arguments, ()).result(60.0)
+        found: Expansion = worker.submit(str(file), arguments, ()).result(60.0)
     return found
 
 
-def expanded_body(tmp_path: Path, body: str) -> Expanded:
+def expanded_body(tmp_path: Path, body: str) -> Expansion:
     """What the elements of a robot expand to; the first is in line 2."""
     file = tmp_path / "robot.urdf.xacro"
     file.write_text(f"{HEAD}\n{body}\n</robot>\n", encoding="utf-8")

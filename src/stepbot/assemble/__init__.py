@@ -34,7 +34,7 @@ from stepbot.runtime.worker import Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
-from .binder import UNREVISED, Binder, Revised
+from .binder import UNREVISED, Binder, RevisedComponents
 from .bound import Bound, bind
 from .claims import Claims, claim
 from .collisions import without_contacts_of
@@ -61,7 +61,7 @@ from .motor_parts import report_unlike_motors
 from .simplified_visuals import SimplifiedVisualMeshes
 
 
-class Built(Struct, frozen=True):
+class BuiltRobot(Struct, frozen=True):
     """A robot, and the checks that are still running for it."""
 
     robot: Robot
@@ -83,9 +83,9 @@ def build_robot(
     diagnostics: Diagnostics,
     cache: Cache | None = None,
     process: Worker | None = None,
-    revised: Revised = UNREVISED,
+    revised: RevisedComponents = UNREVISED,
     timeout: float = DEFAULT_TIMEOUT,
-) -> Built | None:
+) -> BuiltRobot | None:
     """Build the robot that the sidecar describes; None if there are errors, all of which are in ``diagnostics``.
 
     Args:
@@ -153,7 +153,7 @@ def build_robot(
     rows = joint_table(frames, joints, closures)
     report_up_axis(binder, claims, root, rows)
     scored = ScoredCollisions(binder, claims, robot, X_WL, bodies, fitted, cache, process)
-    return Built(robot, double_counting, bodies, rows, scored, simplified)
+    return BuiltRobot(robot, double_counting, bodies, rows, scored, simplified)
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, diagnostics: Diagnostics) -> dict[str, tuple[int, ...]]:

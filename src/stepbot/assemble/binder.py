@@ -15,7 +15,7 @@ LISTED = 20
 """Maximum number of names in one message."""
 
 
-class Revised(Struct, frozen=True):
+class RevisedComponents(Struct, frozen=True):
     """Components that a revision of the CAD has changed, which is reported elsewhere."""
 
     bound: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
@@ -24,14 +24,14 @@ class Revised(Struct, frozen=True):
     """Components that the revision has added."""
 
 
-UNREVISED = Revised()
+UNREVISED = RevisedComponents()
 
 
 class Binder:
     """One sidecar bound to one assembly."""
 
     def __init__(
-        self, assembly: Assembly, sidecar: Sidecar, diagnostics: Diagnostics, revised: Revised = UNREVISED
+        self, assembly: Assembly, sidecar: Sidecar, diagnostics: Diagnostics, revised: RevisedComponents = UNREVISED
     ) -> None:
         self.assembly = assembly
         self.revised = revised

@@ -11,9 +11,9 @@ from stepbot.robot.model import ComponentMass
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
-from .binder import UNREVISED, Binder, Revised
+from .binder import UNREVISED, Binder, RevisedComponents
 from .claims import Claims, claim
-from .frames import Frames, Wanted
+from .frames import Frames, OriginRequest
 from .joints import direction_in, tree_order
 from .masses import masses
 from .material_assignment import assign_materials
@@ -47,7 +47,7 @@ def bind(
     assembly: Assembly,
     sidecar: Sidecar,
     measures: Sequence[VolumeProperties | None],
-    revised: Revised = UNREVISED,
+    revised: RevisedComponents = UNREVISED,
 ) -> Bound:
     """The resolvable parts of a sidecar; errors are reported by :func:`build_robot`.
 
@@ -74,7 +74,7 @@ def placed_joints(binder: Binder, frames: Frames) -> tuple[PlacedJoint, ...]:
             placed.append(PlacedJoint(name, joint.type.value, joint.parent, joint.child, tidy(X_WJ).position, axis))
     for name, closure in document.closures.items():
         ends = (closure.link_a, closure.link_b)
-        X_WF = frames.resolve(closure.origin, Wanted(("closures", name, "origin"), ends))
+        X_WF = frames.resolve(closure.origin, OriginRequest(("closures", name, "origin"), ends))
         if X_WF is not None:
             axis = direction_in(X_WF, closure.axis) if closure.type.has_axis else None
             placed.append(PlacedJoint(name, closure.type.value, *ends, tidy(X_WF).position, axis))

@@ -38,7 +38,7 @@ from .material_assignment import MaterialAssignment
 _Placed = tuple[Geometry, Pose]
 
 
-class Placed(Struct, frozen=True):
+class PlacedComponent(Struct, frozen=True):
     """A component of a link."""
 
     index: int
@@ -59,13 +59,13 @@ class Collisions:
         self._untouched: dict[str, None] = {}
         """Links that list their shapes, with parts that have contact properties."""
 
-    def of(self, link: str, parts: Sequence[Placed]) -> tuple[Collision, ...]:
+    def of(self, link: str, parts: Sequence[PlacedComponent]) -> tuple[Collision, ...]:
         """Collision geometry of a link: by component in file order, then the shapes of the link as a whole."""
         document = self._binder.document
         given, common = document.links[link].collision, link_rule(link, document)
         contact = document.links[link].contact or document.defaults.contact
         placed: list[tuple[_Placed, Surface]] = []
-        whole: list[Placed] = []
+        whole: list[PlacedComponent] = []
         for part in parts:
             own, touch = part.material.collision, part.material.contact
             rule = part_rule(own, touch, link, document)
@@ -132,7 +132,7 @@ class Collisions:
         key = (link, geometry.radius, geometry.length)
         return self._assets.piece(key, f"{ascii_name(link)}_cylinder", _prism(geometry, defaults.max_faces), link), X_LG
 
-    def _component(self, part: Placed, rule: CollisionRule) -> list[_Placed]:
+    def _component(self, part: PlacedComponent, rule: CollisionRule) -> list[_Placed]:
         body = self._binder.assembly.components[part.index].body
         if rule.shape is CollisionShape.NONE:
             return []
@@ -152,7 +152,7 @@ class Collisions:
         geometry, X_CG = fit
         return [(geometry, part.X_LC if X_CG.is_identity else tidy(part.X_LC @ X_CG))]
 
-    def _joined(self, link: str, parts: Sequence[Placed], rule: CollisionRule) -> list[_Placed]:
+    def _joined(self, link: str, parts: Sequence[PlacedComponent], rule: CollisionRule) -> list[_Placed]:
         """The shapes of all closed solids of a link, and a hull of each component that these do not enclose."""
         joined = joined_parts(self._binder.assembly, [part.index for part in parts], rule)
         placed: list[_Placed] = []
@@ -196,7 +196,7 @@ class Collisions:
         axes = [*np.eye(3), *(component.X_WC.inverse().turn(line.direction) for line in widest)]
         return _simple(rule.shape, self._binder.assembly.bodies[body].mesh.vertices, axes)
 
-    def _merged(self, link: str, parts: Sequence[Placed], rule: CollisionRule) -> list[_Placed]:
+    def _merged(self, link: str, parts: Sequence[PlacedComponent], rule: CollisionRule) -> list[_Placed]:
         """One shape that encloses all components of a link without own collision geometry, in the link's frame."""
         shape = rule.shape
         if shape is CollisionShape.NONE:

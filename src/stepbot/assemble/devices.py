@@ -16,7 +16,7 @@ from stepbot.sidecar.motion import LimitsSection
 from stepbot.sidecar.shapes import is_for_mjx
 
 from .binder import Binder
-from .frames import Frames, Wanted
+from .frames import Frames, OriginRequest
 
 CAMERA_FOV = pi / 3.0
 LIDAR_FOV = 2.0 * pi
@@ -125,7 +125,7 @@ def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:
 
 def _frame(document: Document, frames: Frames, name: str) -> Frame | None:
     section = document.frames[name]
-    X_WF, X_WL = frames.resolve(section.origin, Wanted(("frames", name, "origin"))), frames.link(section.link)
+    X_WF, X_WL = frames.resolve(section.origin, OriginRequest(("frames", name, "origin"))), frames.link(section.link)
     if X_WF is None or X_WL is None:
         return None
     return Frame(name, section.link, tidy(X_WL.inverse() @ X_WF), frames.evidence("frames", name, "origin").text)
@@ -149,7 +149,7 @@ def _sensor(document: Document, frames: Frames, name: str) -> Sensor | None:
     assert link is not None  # the sidecar's own check requires a sensor to name a link or a joint
     X_LS: Pose | None = IDENTITY
     if section.origin is not None:
-        X_WS, X_WL = frames.resolve(section.origin, Wanted(("sensors", name, "origin"))), frames.link(link)
+        X_WS, X_WL = frames.resolve(section.origin, OriginRequest(("sensors", name, "origin"))), frames.link(link)
         X_LS = None if X_WS is None or X_WL is None else tidy(X_WL.inverse() @ X_WS)
     if X_LS is None:
         return None

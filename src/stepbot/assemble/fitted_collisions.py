@@ -15,8 +15,8 @@ from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.mesh_worker import report_death
-from stepbot.geometry.solids.collision_scores import NO_SCORE, CollisionScore, Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collision_sets
+from stepbot.geometry.solids.collision_scores import NO_SCORE, CollisionScore, UnscoredSolids, collision_scores
+from stepbot.geometry.solids.collision_sets import CollisionRequest, CollisionSet, collision_sets
 from stepbot.geometry.solids.primitive_fits import RoundFace
 from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
@@ -39,7 +39,7 @@ _SHAFTS = 24
 """Number of cylindrical faces of a solid that primitives are fitted to, the largest ones."""
 
 
-class Joined(Struct, frozen=True):
+class JoinedComponents(Struct, frozen=True):
     """Components whose solids get one set of shapes."""
 
     components: tuple[int, ...]
@@ -69,7 +69,7 @@ class FittedCollisions:
             joined: _wanted(binder.assembly, joined, bodies, others)
             for joined, others in _all_joined(binder, claims, assignments).items()
         }
-        self._sets = ResultsByContent(cache, "collision set", wanted, (Wanted, CollisionSet))
+        self._sets = ResultsByContent(cache, "collision set", wanted, (CollisionRequest, CollisionSet))
         self._process: Worker | None = None
         if self._sets.missing and process is not None:
             self._process = process.submit("collisions", self._sets.missing, more=True)
@@ -84,11 +84,11 @@ class FittedCollisions:
         if missing:
             self._sets.add(collision_sets(missing) if self._process is None else self._process.result(timeout))
 
-    def of(self, joined: Joined) -> CollisionSet:
+    def of(self, joined: JoinedComponents) -> CollisionSet:
         """The shapes of components, in the frame of the first."""
         return self._sets[joined]
 
-    def get(self, joined: Joined) -> CollisionSet | None:
+    def get(self, joined: JoinedComponents) -> CollisionSet | None:
         """The same; None for components that were not joined."""
         return self._sets.get(joined)
 
@@ -106,16 +106,16 @@ def missing_volume(components: Sequence[Component], bodies: Sequence[MeasuredBod
     )
 
 
-def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule) -> Joined | None:
+def joined_parts(assembly: Assembly, indices: Sequence[int], rule: CollisionRule) -> JoinedComponents | None:
     """The closed solids among components; None without any."""
     closed = closed_parts(assembly, indices)
-    return Joined(closed, rule) if closed else None
+    return JoinedComponents(closed, rule) if closed else None
 
 
-def joined_part(assembly: Assembly, index: int, rule: CollisionRule) -> Joined | None:
+def joined_part(assembly: Assembly, index: int, rule: CollisionRule) -> JoinedComponents | None:
     """A component with a rule of its own, as the first occurrence of its body; None if it is not closed."""
     first = assembly.first_of_body[assembly.components[index].body]
-    return Joined((first,), rule) if _is_closed(assembly, index) else None
+    return JoinedComponents((first,), rule) if _is_closed(assembly, index) else None
 
 
 def _is_closed(assembly: Assembly, index: int) -> bool:
@@ -132,10 +132,12 @@ class _Others(Struct, frozen=True):
     """Whether there are no others."""
 
 
-def _all_joined(binder: Binder, claims: Claims, assignments: Sequence[MaterialAssignment]) -> dict[Joined, _Others]:
+def _all_joined(
+    binder: Binder, claims: Claims, assignments: Sequence[MaterialAssignment]
+) -> dict[JoinedComponents, _Others]:
     """All sets, and what is beside each in its link."""
     assembly, document = binder.assembly, binder.document
-    joined: dict[Joined, _Others] = {}
+    joined: dict[JoinedComponents, _Others] = {}
     for link in document.links:
         whole = []
         for index in claims.parts_of(link):
@@ -154,7 +156,9 @@ def _all_joined(binder: Binder, claims: Claims, assignments: Sequence[MaterialAs
     return joined
 
 
-def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], others: _Others) -> Wanted:
+def _wanted(
+    assembly: Assembly, joined: JoinedComponents, bodies: Sequence[MeasuredBody], others: _Others
+) -> CollisionRequest:
     components = [assembly.components[index] for index in joined.components]
     X_AW = components[0].X_WC.inverse()
     solids: list[PlacedSolid] = []
@@ -166,7 +170,7 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], 
     shafts = sorted((face for face in faces if not face.bore), key=lambda face: -face.radius * (face.high - face.low))
     rule = joined.rule
     assert rule.max_vertices is not None
-    return Wanted(
+    return CollisionRequest(
         tuple(solids),
         missing_volume(components, bodies),
         tuple(RoundFace(np.array(face.point), np.array(face.direction), face.radius) for face in shafts[:_SHAFTS]),
@@ -233,7 +237,7 @@ class ScoredCollisions:
         unscored = {
             link.name: self._unscored(link) for link in links if self._is_chosen(link) and link.name not in known
         }
-        scores = ResultsByContent(self._cache, "collision score", unscored, (Unscored, CollisionScore))
+        scores = ResultsByContent(self._cache, "collision score", unscored, (UnscoredSolids, CollisionScore))
         self._compute(scores, timeout)
         return tuple(self._record(link, known.get(link.name) or scores.get(link.name) or NO_SCORE) for link in links)
 
@@ -250,7 +254,7 @@ class ScoredCollisions:
         made = None if joined is None else self._fitted.get(joined)
         return made.score if made is not None and made.scored == len(link.collisions) else None
 
-    def _compute(self, scores: ResultsByContent[str, Unscored, CollisionScore], timeout: float) -> None:
+    def _compute(self, scores: ResultsByContent[str, UnscoredSolids, CollisionScore], timeout: float) -> None:
         """Compute the missing scores, unless the worker dies (SB902)."""
         missing = scores.missing
         if not missing:
@@ -261,12 +265,12 @@ class ScoredCollisions:
         except WorkerDied as death:
             report_death(death, "scores collision shapes", self._binder.span(("links",)), self._binder.diagnostics)
 
-    def _unscored(self, link: Link) -> Unscored:
+    def _unscored(self, link: Link) -> UnscoredSolids:
         """The closed solids of a link and its shapes, in the frame of the first component."""
         assembly = self._binder.assembly
         parts = [assembly.components[index] for index in closed_parts(assembly, self._claims.parts_of(link.name))]
         if not parts:
-            return Unscored((), 0.0, ())
+            return UnscoredSolids((), 0.0, ())
         X_AW = parts[0].X_WC.inverse()
         X_AL = X_AW @ self._X_WL[link.name]
         solids = tuple(PlacedSolid(assembly.bodies[part.body].mesh, tidy(X_AW @ part.X_WC)) for part in parts)
@@ -275,7 +279,7 @@ class ScoredCollisions:
             of = shape.geometry
             geometry = self._robot.mesh_by_name[of.name].mesh if isinstance(of, MeshRef) else of
             shapes.append(PlacedShape(geometry, tidy(X_AL @ shape.X_LG)))
-        return Unscored(solids, missing_volume(parts, self._bodies), tuple(shapes))
+        return UnscoredSolids(solids, missing_volume(parts, self._bodies), tuple(shapes))
 
     def _record(self, link: Link, score: CollisionScore) -> LinkCollision:
         meshes = [self._robot.mesh_by_name[of.name].mesh for of in _geometries(link) if isinstance(of, MeshRef)]

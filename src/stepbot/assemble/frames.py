@@ -53,7 +53,7 @@ _SHOWN_MISSES = 5
 _SHOWN_PARENTS = 2
 
 
-class Wanted(Struct, frozen=True):
+class OriginRequest(Struct, frozen=True):
     """The element whose origin is resolved."""
 
     keys: Keys
@@ -113,8 +113,8 @@ class Frames:
     def _child_frame(self, name: str) -> Pose | None:
         joint = self._binder.document.joints[name]
         slides, rigid, ball = (joint.type is kind for kind in (JointKind.PRISMATIC, JointKind.FIXED, JointKind.BALL))
-        wanted = Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides, rigid, ball)
-        X_WJ = self.resolve(joint.origin, wanted)
+        request = OriginRequest(("joints", name, "origin"), (joint.parent, joint.child), slides, rigid, ball)
+        X_WJ = self.resolve(joint.origin, request)
         self._joints[name] = X_WJ
         if X_WJ is None:
             return None
@@ -122,40 +122,40 @@ class Frames:
         # the sidecar's own check rejects `zero` for other joint types
         return X_WJ @ displacement(moved, joint.zero.value)
 
-    def resolve(self, origin: Origin, wanted: Wanted) -> Pose | None:
+    def resolve(self, origin: Origin, request: OriginRequest) -> Pose | None:
         """X_WF of the frame that an origin gives; None after a diagnostic."""
-        pose = self._base(AutoOrigin() if isinstance(origin, str) else origin, wanted)
+        pose = self._base(AutoOrigin() if isinstance(origin, str) else origin, request)
         offset = None if isinstance(origin, str) else origin.offset
         if pose is None or offset is None:
             return pose
-        evidence = self._evidence[wanted.keys]
-        self._evidence[wanted.keys] = replace(evidence, text=f"{evidence.text}; moved by its offset")
+        evidence = self._evidence[request.keys]
+        self._evidence[request.keys] = replace(evidence, text=f"{evidence.text}; moved by its offset")
         return pose @ Pose.from_xyz_rpy(offset.xyz, offset.rpy)
 
-    def _base(self, origin: Origin, wanted: Wanted) -> Pose | None:
+    def _base(self, origin: Origin, request: OriginRequest) -> Pose | None:
         """The frame before the offset."""
         if isinstance(origin, ExplicitOrigin):
-            self._give(wanted, f"numbers, relative to {quoted(origin.relative_to)}")
-            X_WR = self._reference(origin.relative_to, (*wanted.keys, "relative_to"))
+            self._give(request, f"numbers, relative to {quoted(origin.relative_to)}")
+            X_WR = self._reference(origin.relative_to, (*request.keys, "relative_to"))
             return None if X_WR is None else X_WR @ Pose.from_xyz_rpy(origin.xyz, origin.rpy)
         if isinstance(origin, ComponentOrigin):
-            self._give(wanted, f"the frame of component {quoted(origin.component)}")
-            return self._component(origin.component, (*wanted.keys, "component"))
+            self._give(request, f"the frame of component {quoted(origin.component)}")
+            return self._component(origin.component, (*request.keys, "component"))
         if isinstance(origin, CenterOrigin):
-            self._give(wanted, f"the centre of the box around {quoted(origin.center)}")
-            return self._center(origin.center, (*wanted.keys, "center"))
+            self._give(request, f"the centre of the box around {quoted(origin.center)}")
+            return self._center(origin.center, (*request.keys, "center"))
         if isinstance(origin, AxisOrigin):
-            return self._axis(origin, wanted)
+            return self._axis(origin, request)
         if isinstance(origin, MateOrigin):
-            return self._mate(origin, wanted)
+            return self._mate(origin, request)
         assert isinstance(origin, AutoOrigin)
-        return self._auto(origin, wanted)
+        return self._auto(origin, request)
 
     def _root_frame(self) -> Pose | None:
         root = self._binder.document.root
         if root is None:
             return IDENTITY
-        pose = IDENTITY if root.frame is None else self.resolve(root.frame, Wanted(("root", "frame")))
+        pose = IDENTITY if root.frame is None else self.resolve(root.frame, OriginRequest(("root", "frame")))
         return pose if pose is None or root.axes is None else Pose.of(rotation_of(*root.axes), pose.p)
 
     def _reference(self, name: str, keys: Keys) -> Pose | None:
@@ -178,36 +178,36 @@ class Frames:
             return None
         return Pose.of(position=[0.5 * (low + high) for low, high in zip(*box, strict=True)])
 
-    def _axis(self, origin: AxisOrigin, wanted: Wanted) -> Pose | None:
-        index = self._binder.one(origin.axis_of, (*wanted.keys, "axis_of"))
+    def _axis(self, origin: AxisOrigin, request: OriginRequest) -> Pose | None:
+        index = self._binder.one(origin.axis_of, (*request.keys, "axis_of"))
         if index is None:
             return None
         axes = lines(self._component_faces(index), origin.radius)
-        choice = choose(axes, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
+        choice = choose(axes, origin.near, direction_only=request.direction_only, selected=origin.radius is not None)
         if choice.line is not None:
-            return self._on(choice.line, axes, "axis", origin, wanted)
+            return self._on(choice.line, axes, "axis", origin, request)
         start = f"{{axis_of: {quoted(origin.axis_of)}"
         if choice.rivals:
-            self._report_rivals(wanted, f"'{origin.axis_of}' has", choice, axes, start)
+            self._report_rivals(request, f"'{origin.axis_of}' has", choice, axes, start)
         else:
             with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
-            self._report_none(wanted, f"'{origin.axis_of}' has no cylinder or cone{with_radius}")
+            self._report_none(request, f"'{origin.axis_of}' has no cylinder or cone{with_radius}")
         return None
 
-    def _mate(self, origin: MateOrigin, wanted: Wanted) -> Pose | None:
-        indices = [self._binder.one(p, (*wanted.keys, "mate", i)) for i, p in enumerate(origin.mate)]
+    def _mate(self, origin: MateOrigin, request: OriginRequest) -> Pose | None:
+        indices = [self._binder.one(p, (*request.keys, "mate", i)) for i, p in enumerate(origin.mate)]
         if indices[0] is None or indices[1] is None:
             return None
         a, b = self._component_faces(indices[0]), self._component_faces(indices[1])
         words = (f"'{origin.mate[0]}'", f"'{origin.mate[1]}'")
-        return self._shared(a, b, words, origin, wanted, f"{{mate: [{', '.join(map(quoted, origin.mate))}]")
+        return self._shared(a, b, words, origin, request, f"{{mate: [{', '.join(map(quoted, origin.mate))}]")
 
-    def _auto(self, origin: AutoOrigin, wanted: Wanted) -> Pose | None:
-        words = wanted.link_words
-        assert wanted.links is not None
-        if any(link in self._claims.incomplete for link in wanted.links):
+    def _auto(self, origin: AutoOrigin, request: OriginRequest) -> Pose | None:
+        words = request.link_words
+        assert request.links is not None
+        if any(link in self._claims.incomplete for link in request.links):
             return None  # the link's parts are unknown; the unresolved path has been reported
-        for link, word in zip(wanted.links, words, strict=True):
+        for link, word in zip(request.links, words, strict=True):
             if not self._claims.parts_of(link):
                 message = f"{word} has no parts, so `auto` cannot find an axis"
                 help = (
@@ -215,26 +215,26 @@ class Frames:
                     "`origin: {axis_of: PATH}`",
                     "or give coordinates: `origin: {xyz: [0, 0, 0]}`",
                 )
-                self._binder.report("SB405", wanted.keys, message, help=help)
+                self._binder.report("SB405", request.keys, message, help=help)
                 return None
-        a, b = (self._link_faces(link) for link in wanted.links)
-        if wanted.is_rigid and origin.radius is None and origin.near is None:
-            return self._anywhere(a, b, words, origin, wanted)
-        return self._shared(a, b, words, origin, wanted, "{auto: true")
+        a, b = (self._link_faces(link) for link in request.links)
+        if request.is_rigid and origin.radius is None and origin.near is None:
+            return self._anywhere(a, b, words, origin, request)
+        return self._shared(a, b, words, origin, request, "{auto: true")
 
     def _anywhere(
-        self, a: AxisFaces, b: AxisFaces, words: tuple[str, str], origin: AutoOrigin, wanted: Wanted
+        self, a: AxisFaces, b: AxisFaces, words: tuple[str, str], origin: AutoOrigin, request: OriginRequest
     ) -> Pose | None:
         """The frame of a joint that does not move: on the line of both sides if there is one, else the parent's."""
-        assert wanted.links is not None
+        assert request.links is not None
         anywhere = mates(a, b, None)
         line = choose(anywhere).line
         if line is not None:
-            pose = self._on(line, anywhere, f"axis that {words[0]} and {words[1]} share", origin, wanted)
-            self._evidence[wanted.keys] = replace(self._evidence[wanted.keys], doubt="")
+            pose = self._on(line, anywhere, f"axis that {words[0]} and {words[1]} share", origin, request)
+            self._evidence[request.keys] = replace(self._evidence[request.keys], doubt="")
             return pose
-        self._give(wanted, f"the frame of {words[0]}, since a fixed joint needs no axis")
-        return self.link(wanted.links[0])
+        self._give(request, f"the frame of {words[0]}, since a fixed joint needs no axis")
+        return self.link(request.links[0])
 
     def _shared(
         self,
@@ -242,27 +242,27 @@ class Frames:
         b: AxisFaces,
         words: tuple[str, str],
         origin: MateOrigin | AutoOrigin,
-        wanted: Wanted,
+        request: OriginRequest,
         start: str,
     ) -> Pose | None:
         """The frame on a line shared by two sides."""
         shared = mates(a, b, origin.radius)
-        choice = choose(shared, origin.near, direction_only=wanted.direction_only, selected=origin.radius is not None)
+        choice = choose(shared, origin.near, direction_only=request.direction_only, selected=origin.radius is not None)
         if choice.line is not None:
-            pose = self._on(choice.line, shared, f"axis that {words[0]} and {words[1]} share", origin, wanted)
-            self._report_doubt(wanted, choice.line, shared, start)
+            pose = self._on(choice.line, shared, f"axis that {words[0]} and {words[1]} share", origin, request)
+            self._report_doubt(request, choice.line, shared, start)
             return pose
         if choice.rivals and all(line.basis is Basis.APART for line in choice.rivals):
-            self._report_apart(wanted, words, choice, shared, start)
+            self._report_apart(request, words, choice, shared, start)
         elif choice.rivals:
-            self._report_rivals(wanted, f"{words[0]} and {words[1]} share", choice, shared, start)
+            self._report_rivals(request, f"{words[0]} and {words[1]} share", choice, shared, start)
         else:
             with_radius = f" of radius {millimetres(origin.radius)}" if origin.radius is not None else ""
-            self._report_misses(wanted, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
+            self._report_misses(request, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
         return None
 
-    def _give(self, wanted: Wanted, text: str) -> None:
-        self._evidence[wanted.keys] = Evidence(Basis.GIVEN, text)
+    def _give(self, request: OriginRequest, text: str) -> None:
+        self._evidence[request.keys] = Evidence(Basis.GIVEN, text)
 
     def _on(
         self,
@@ -270,19 +270,19 @@ class Frames:
         lines: Sequence[AxisLine],
         words: str,
         origin: AxisOrigin | MateOrigin | AutoOrigin,
-        wanted: Wanted,
+        request: OriginRequest,
     ) -> Pose:
         """The frame on a line that was found, and a note that names the line."""
-        self._evidence[wanted.keys] = evidence_of(
+        self._evidence[request.keys] = evidence_of(
             line,
             lines,
             words,
             self._binder.path,
             selected=origin.radius is not None or origin.near is not None,
             radius=origin.radius,
-            confirmed=not self._is_draft(wanted.keys),
-            direction_only=wanted.direction_only,
-            is_ball=wanted.is_ball and origin.offset is None,
+            confirmed=not self._is_draft(request.keys),
+            direction_only=request.direction_only,
+            is_ball=request.is_ball and origin.offset is None,
         )
         return line_frame(line)
 
@@ -301,19 +301,21 @@ class Frames:
             self._faces[link] = axis_faces(self._binder.assembly, self._claims.parts_of(link))
         return self._faces[link]
 
-    def _report_rivals(self, wanted: Wanted, words: str, choice: Choice, lines: Sequence[AxisLine], start: str) -> None:
+    def _report_rivals(
+        self, request: OriginRequest, words: str, choice: Choice, lines: Sequence[AxisLine], start: str
+    ) -> None:
         offered = dict(zip(lines, selectors(lines), strict=True))
-        several = "directions" if wanted.direction_only else "axes"
+        several = "directions" if request.direction_only else "axes"
         self._binder.report(
             "SB402",
-            wanted.keys,
+            request.keys,
             f"{words} {len(choice.rivals)} {several}, none of them twice as wide as the next",
             help=listed(tuple(f"origin: {start}{offered[line]}}}" for line in choice.rivals)),
             notes=listed(tuple(described(line, self._binder.path) for line in choice.rivals)),
         )
 
     def _report_apart(
-        self, wanted: Wanted, words: tuple[str, str], choice: Choice, lines: Sequence[AxisLine], start: str
+        self, request: OriginRequest, words: tuple[str, str], choice: Choice, lines: Sequence[AxisLine], start: str
     ) -> None:
         """Report lines with faces of both sides that do not touch."""
         rivals = choice.rivals
@@ -321,58 +323,56 @@ class Frames:
         remedies = tuple(f"origin: {start}{selector(line, lines)}}}" for line in rivals)
         self._binder.report(
             "SB406",
-            wanted.keys,
+            request.keys,
             f"{words[0]} and {words[1]} have faces on {several}, but no shaft in a bore and no touching faces",
-            help=(*(CENTRE if wanted.is_ball else ()), *listed(remedies)),
+            help=(*(CENTRE if request.is_ball else ()), *listed(remedies)),
             notes=listed(tuple(described(line, self._binder.path) for line in rivals)),
         )
 
-    def _report_doubt(self, wanted: Wanted, line: AxisLine, lines: Sequence[AxisLine], start: str) -> None:
+    def _report_doubt(self, request: OriginRequest, line: AxisLine, lines: Sequence[AxisLine], start: str) -> None:
         """Warn of an axis chosen on weak evidence, and give the origins that select it or another line."""
-        evidence = self._evidence[wanted.keys]
+        evidence = self._evidence[request.keys]
         if not evidence.doubt:
             return
         others = [other for other in lines if other is not line and other.basis is not Basis.APART]
         shown = [line, *others[:_SHOWN_MISSES]]
         remedies = [f"origin: {start}{selector(one, lines)}}}" for one in (shown[1:] if evidence.selected else shown)]
-        remedies[:0] = CENTRE if wanted.is_ball else ()
-        if self._is_draft(wanted.keys):
+        remedies[:0] = CENTRE if request.is_ball else ()
+        if self._is_draft(request.keys):
             confirm = "its origin is right" if evidence.selected else "one of these is right and in the sidecar"
             remedies.insert(0, f"if {confirm}, remove the REVIEW comment of the draft above it")
         self._binder.report(
             "SB407",
-            wanted.keys,
+            request.keys,
             f"weak evidence for its axis: {evidence.doubt}",
             help=tuple(remedies),
             notes=tuple(described(one, self._binder.path) for one in shown),
         )
 
-    def _report_misses(self, wanted: Wanted, message: str, a: AxisFaces, b: AxisFaces) -> None:
+    def _report_misses(self, request: OriginRequest, message: str, a: AxisFaces, b: AxisFaces) -> None:
         misses = near_misses(a, b)[:_SHOWN_MISSES]
         notes = []
         for miss in misses:
             tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
-            sides = [
-                f"{quoted(self._binder.path(line.components[0]))} ({radii_of(line)})"
-                for line in (miss.line_a, miss.line_b)
-            ]
+            lines = (miss.line_a, miss.line_b)
+            sides = [f"{quoted(self._binder.path(line.components[0]))} ({radii_of(line)})" for line in lines]
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
         snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
         remedies = [
-            *self._other_parents(wanted),
+            *self._other_parents(request),
             *(snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]),
         ]
-        self._report_none(wanted, message, tuple(remedies), tuple(notes))
+        self._report_none(request, message, tuple(remedies), tuple(notes))
 
-    def _other_parents(self, wanted: Wanted) -> list[str]:
+    def _other_parents(self, request: OriginRequest) -> list[str]:
         """Links with a shaft in a bore of the child's, or the reverse: one of them may be its parent."""
-        if wanted.links is None or wanted.keys[0] != "joints":
+        if request.links is None or request.keys[0] != "joints":
             return []
-        child = wanted.links[1]
+        child = request.links[1]
         below = {joint.child for joint in self._binder.document.joints.values() if joint.parent == child}
         parents = []
         for link in self._binder.document.links:
-            if link in wanted.links or link in below:
+            if link in request.links or link in below:
                 continue
             line = choose(mates(self._link_faces(link), self._link_faces(child), None)).line
             if line is not None and line.basis is Basis.FIT:
@@ -387,9 +387,9 @@ class Frames:
         return f"origin: {{axis_of: {quoted(self._binder.path(index))}{selectors(candidates)[nearest]}}}"
 
     def _report_none(
-        self, wanted: Wanted, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()
+        self, request: OriginRequest, message: str, help: tuple[str, ...] = (), notes: tuple[str, ...] = ()
     ) -> None:
-        self._binder.report("SB401", wanted.keys, message, help=help, notes=notes)
+        self._binder.report("SB401", request.keys, message, help=help, notes=notes)
 
     def _report_circle(self, name: str) -> None:
         circle = [*self._waiting[self._waiting.index(name) :], name]

@@ -17,7 +17,7 @@ from stepbot.sidecar.document import Document
 from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
 
 from .binder import Binder
-from .frames import Frames, Wanted
+from .frames import Frames, OriginRequest
 
 _DECIMALS = 12
 
@@ -118,7 +118,7 @@ def joint_of(document: Document, name: str, ends: tuple[str, str], X_PC: Pose, l
 def _closure(document: Document, frames: Frames, name: str) -> LoopClosure | None:
     section = document.closures[name]
     ends, is_ball = (section.link_a, section.link_b), section.type is JointKind.BALL
-    X_WF = frames.resolve(section.origin, Wanted(("closures", name, "origin"), ends, is_ball=is_ball))
+    X_WF = frames.resolve(section.origin, OriginRequest(("closures", name, "origin"), ends, is_ball=is_ball))
     X_WA, X_WB = frames.link(section.link_a), frames.link(section.link_b)
     if X_WF is None or X_WA is None or X_WB is None:
         return None

@@ -17,12 +17,12 @@ from stepbot.step.structure.paths import quoted
 from .assets import MeshAssets
 from .binder import Binder, listed
 from .claims import Claims
-from .collisions import Collisions, Placed
+from .collisions import Collisions, PlacedComponent
 from .fitted_collisions import FittedCollisions
 from .material_assignment import PLACEHOLDER, PLACEHOLDER_DENSITY, MaterialAssignment, default_color
 
 
-def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Placed]) -> tuple[Visual, ...]:
+def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[PlacedComponent]) -> tuple[Visual, ...]:
     """Visual geometry of a link, by component in file order; a component's ``visual`` overrides its link's."""
     assembly = binder.assembly
     drawn = binder.document.links[link].visual is not False
@@ -123,7 +123,7 @@ class Links:
         components = self._binder.assembly.components
         indices = self._parts[name]
         X_LC = Poses.of(components[i].X_WC for i in indices).seen_from(X_WL.inverse()).tidy()
-        parts = [Placed(i, self._of[i], pose) for i, pose in zip(indices, X_LC.listed(), strict=True)]
+        parts = [PlacedComponent(i, self._of[i], pose) for i, pose in zip(indices, X_LC.listed(), strict=True)]
         properties, masses = self._mass(name, parts)
         return Link(
             name,
@@ -139,7 +139,7 @@ class Links:
         self._collisions.report_flat()
         self._collisions.report_budgets()
 
-    def _mass(self, name: str, parts: Sequence[Placed]) -> tuple[MassProperties, tuple[ComponentMass, ...]]:
+    def _mass(self, name: str, parts: Sequence[PlacedComponent]) -> tuple[MassProperties, tuple[ComponentMass, ...]]:
         inertial = self._binder.document.links[name].inertial
         if inertial is not None and is_complete(inertial):
             given = ComponentMass("", inertial.mass, None, None, f"inertial of link '{name}'", "given")

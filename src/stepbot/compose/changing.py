@@ -16,7 +16,7 @@ from msgspec.structs import fields, replace
 from stepbot.assemble.assets import MeshAssets
 from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import Claims
-from stepbot.assemble.collisions import Collisions, Placed, without_contacts_of
+from stepbot.assemble.collisions import Collisions, PlacedComponent, without_contacts_of
 from stepbot.assemble.devices import build_actuators, build_frames, build_sensors, tune_actuators
 from stepbot.assemble.fitted_collisions import FittedCollisions, wait_for
 from stepbot.assemble.frames import Frames
@@ -174,7 +174,7 @@ class _Changing:
 
     def __init__(self, robot: Robot, sidecar: Sidecar, given: dict[str, Any], diagnostics: Diagnostics) -> None:
         self._robot, self._sidecar, self._given, self._diagnostics = robot, sidecar, given, diagnostics
-        self._parts: dict[str, list[Placed]] = {}
+        self._parts: dict[str, list[PlacedComponent]] = {}
         self._assembly = self._with_parts()
         owners = {part.index: link for link, parts in self._parts.items() for part in parts}
         self._claims = Claims(
@@ -241,7 +241,7 @@ class _Changing:
                 bodies.append(Body(BodyKind.TESSELLATED, mesh, plain, (), is_watertight(mesh.faces)))
                 path = f"{name}_{number}"
                 components.append(Component(number, 0, path, path, path, "", number, shape.X_LG, number - 1))
-                self._parts[name].append(Placed(number, MaterialAssignment(), shape.X_LG))
+                self._parts[name].append(PlacedComponent(number, MaterialAssignment(), shape.X_LG))
         return Assembly(self._robot.source, "", "", "m", 1.0, tuple(components), tuple(bodies))
 
     def _with_links(self, robot: Robot, binder: Binder, memory_limit: int | None, timeout: float) -> Robot:

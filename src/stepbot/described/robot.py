@@ -184,7 +184,7 @@ _ROUNDED = 1e-9
 """Share of the largest principal moment up to which the least one may be the rounding of 0."""
 
 
-class Described(Struct, frozen=True):
+class DescribedRobot(Struct, frozen=True):
     """A robot, and where it differs from its file."""
 
     robot: Robot
@@ -218,7 +218,7 @@ def _unread_mesh(uri: str) -> Finding:
 
 def robot_of_description(
     description: Description, name: str, source: str, base: Base | None = None, *, drawn: bool = False
-) -> Described:
+) -> DescribedRobot:
     """The robot of a description with at least one link.
 
     Args:
@@ -259,7 +259,7 @@ def robot_of_description(
     known = seen.base is not None or robot.root.name == _WORLD  # which may have several joints, or one that moves
     placed = at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else findings)
     robot, names = with_valid_names(_with_turned_balls(placed), findings)
-    return Described(robot, tuple(findings), known, names, shapes.pieces, around)
+    return DescribedRobot(robot, tuple(findings), known, names, shapes.pieces, around)
 
 
 def _with_volume(description: Description, findings: list[Finding]) -> Description:

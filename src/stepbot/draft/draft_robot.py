@@ -30,7 +30,7 @@ from stepbot.draft.evidence.evidence import JointEvidence
 from stepbot.draft.evidence.motor_models import models
 from stepbot.draft.evidence.wheels import is_wheel, rolling, wheels
 from stepbot.draft.gearing import geared
-from stepbot.draft.inference import Inferred, infer_from
+from stepbot.draft.inference import InferredMechanism, infer_from
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
@@ -45,7 +45,7 @@ _NANOMETRE = 9
 _MICRORADIAN = 12
 
 
-class Found(Struct, frozen=True):
+class JointOrigin(Struct, frozen=True):
     """The origin of a joint."""
 
     snippet: OriginSnippet
@@ -63,7 +63,7 @@ class Origins:
         self._assembly = assembly
         self._faces: dict[int, AxisFaces] = {}
 
-    def of(self, hinge: JointEvidence, child: int) -> Found:
+    def of(self, hinge: JointEvidence, child: int) -> JointOrigin:
         """The origin of a joint, the resulting axis, and its faces; ``child`` is the part on the child's side.
 
         The axis of the bearing between both parts if there is one, else the mate of both if it is on the axis, else the
@@ -71,21 +71,21 @@ class Origins:
         """
         kind, axis = hinge.type, hinge.axis
         if kind == JointKind.FIXED:
-            return Found(OriginSnippet(OriginForm.XYZ), axis)
+            return JointOrigin(OriginSnippet(OriginForm.XYZ), axis)
         if kind == JointKind.UNIVERSAL and hinge.axis2 is not None:
             x, y = axis.d, hinge.axis2.d
-            return Found(_numbers(axis.point, np.column_stack([x, y, np.cross(x, y)])), axis)
+            return JointOrigin(_numbers(axis.point, np.column_stack([x, y, np.cross(x, y)])), axis)
         if axis.direction is None:
-            return Found(_numbers(axis.point, np.eye(3)), axis)
+            return JointOrigin(_numbers(axis.point, np.eye(3)), axis)
         parent = hinge.b if child == hinge.a else hinge.a
         bearing = ((hinge.through,),) if hinge.through >= 0 else ()
         for parts in (*bearing, (parent, child), (child,), (parent,)):
             origin = self._chosen(parts, axis, slides=kind == JointKind.PRISMATIC)
             if origin is not None:
                 return origin
-        return Found(_numbers(axis.point, perpendicular_frame(axis.d)), axis)
+        return JointOrigin(_numbers(axis.point, perpendicular_frame(axis.d)), axis)
 
-    def _chosen(self, parts: Sequence[int], axis: Axis, *, slides: bool) -> Found | None:
+    def _chosen(self, parts: Sequence[int], axis: Axis, *, slides: bool) -> JointOrigin | None:
         """The line of one component, or the mate of two, on the axis, with its selector among all lines."""
         faces = [self._of(part) for part in parts]
         candidates = mates(faces[0], faces[1]) if len(faces) == 2 else lines(faces[0])
@@ -97,7 +97,7 @@ class Origins:
                 others = [one for one in self._matching(faces, selector.radius) if one.point != line.point]
                 if slides:
                     others = [other for other in others if not is_parallel(other, line)]
-                return Found(snippet, own, self._selected_by(line, selector.radius), doubt(line, others))
+                return JointOrigin(snippet, own, self._selected_by(line, selector.radius), doubt(line, others))
         return None
 
     def _matching(self, faces: Sequence[AxisFaces], radius: float | None) -> tuple[AxisLine, ...]:
@@ -158,7 +158,7 @@ class Inference:
 
 
 class _Drafting:
-    def __init__(self, assembly: Assembly, inferred: Inferred) -> None:
+    def __init__(self, assembly: Assembly, inferred: InferredMechanism) -> None:
         self._assembly, self._inferred = assembly, inferred
         self._origins = Origins(assembly)
         self._link_of = {i: n for n, members in enumerate(inferred.links) for i in members}
@@ -323,7 +323,7 @@ class _Drafting:
             link_b=self._names[arc.child],
         )
 
-    def _origin(self, arc: TreeJoint) -> tuple[Found, Confidence, str]:
+    def _origin(self, arc: TreeJoint) -> tuple[JointOrigin, Confidence, str]:
         """The origin of a joint, the evidence for it, and the doubt of its faces, unless the user has stated it."""
         h = self._as_drawn(arc.evidence)
         origin = self._origins.of(h, h.a if self._link_of[h.a] == arc.child else h.b)

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from stepbot.draft.contacts.teeth import Mesh, RackMesh
 from stepbot.draft.draft import DraftJoint
 from stepbot.draft.evidence.gears import SAME_GEAR, mesh_between
-from stepbot.draft.inference import Inferred
+from stepbot.draft.inference import InferredMechanism
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.geometry.spatial import ZERO3
 from stepbot.robot.model import JointKind, Mimic
@@ -16,7 +16,9 @@ from stepbot.robot.model import JointKind, Mimic
 _TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 
-def geared(inferred: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoint]) -> tuple[DraftJoint, ...]:
+def geared(
+    inferred: InferredMechanism, tree: Sequence[TreeJoint], joints: Sequence[DraftJoint]
+) -> tuple[DraftJoint, ...]:
     """Joints, those that another one moves by a gear, a pulley or a rack with a ``mimic``.
 
     Args:
@@ -50,7 +52,11 @@ def _turned(leader: DraftJoint, joint: DraftJoint, mesh: Mesh) -> DraftJoint:
 
 
 def _pull(
-    inferred: Inferred, tree: Sequence[TreeJoint], made: list[DraftJoint], turning: Sequence[int], mesh: RackMesh
+    inferred: InferredMechanism,
+    tree: Sequence[TreeJoint],
+    made: list[DraftJoint],
+    turning: Sequence[int],
+    mesh: RackMesh,
 ) -> None:
     """Let the joint along a rack follow that of its gear, if both are on one link."""
     gear = mesh.gear

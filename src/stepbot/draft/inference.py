@@ -48,7 +48,7 @@ _FEWEST_TRIES, _TRIED_PARTS = 3, 4000
 """Joints that are tried in loops that cannot move: at least, and the parts of all tries together."""
 
 
-class Inferred(Struct, frozen=True, eq=False):
+class InferredMechanism(Struct, frozen=True, eq=False):
     """Links by number, and the joints between them."""
 
     survey: Survey
@@ -68,12 +68,12 @@ class Inferred(Struct, frozen=True, eq=False):
     """Joints within links where only one round contact holds two sides together, and what to review of each."""
 
 
-def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> Inferred:
+def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> InferredMechanism:
     """Infer links and joints; ``assembly`` must be read with its faces (``ReadOptions.faces``)."""
     return infer_from(Survey.settled(assembly, sources), facts)
 
 
-def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
+def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> InferredMechanism:
     """Infer links and joints.
 
     Raises:
@@ -103,7 +103,7 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
 
 def _infer(
     survey: Survey, facts: Facts, needed: Mapping[JointKey, str], repeats: Sequence[JointEvidence] = ()
-) -> Inferred:
+) -> InferredMechanism:
     motors = find_motors(survey)
     evidence = Evidence()
     fact_evidence(survey, facts, evidence)
@@ -138,7 +138,7 @@ def _infer(
     return replace(_arranged(made, structure, motors, facts), pivots=pivots)
 
 
-def _arranged(decision: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
+def _arranged(decision: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> InferredMechanism:
     mechanism = Mechanism(decision, structure)
     if facts.root in decision.clusters:
         root = decision.clusters.find(facts.root)
@@ -177,6 +177,6 @@ def _arranged(decision: Decision, structure: Structure, motors: list[Motor], fac
             h.review = f"{h.review}; {apart}" if h.review else apart
     links = list(groups.values())
     welds = [weld for weld in decision.evidence.welds if weld.verdict is Verdict.TAKEN]
-    return Inferred(
+    return InferredMechanism(
         decision.survey, links, number[decision.clusters.find(root)], arcs, offered, motors, decision.guesses, welds
     )

@@ -12,7 +12,7 @@ from .source_copy import MissingMesh, located_copy
 _WITH_PACKAGES = ("urdf", "sdf")
 
 
-class Examined(NamedTuple):
+class Examination(NamedTuple):
     """What was found in a file."""
 
     refusals: tuple[Refusal, ...]
@@ -27,7 +27,7 @@ class Examined(NamedTuple):
 
 def examine(
     file: str, written_in: str, opened: str, copy: str, packages: Iterable[Path], stated: bool, surfaces: bool
-) -> Examined:
+) -> Examination:
     """See :func:`.refusals` and :func:`.located_copy`.
 
     Args:
@@ -40,12 +40,12 @@ def examine(
     """
     refused = refusals(file, written_in, packages)
     if refused or not copy:
-        return Examined(refused)
+        return Examination(refused)
     missing = located_copy(opened, copy, packages) if written_in in _WITH_PACKAGES else ()
     if not stated:
-        return Examined((), missing)
+        return Examination((), missing)
     try:
         said = statements(Path(opened), written_in, packages, surfaces=surfaces)
-        return Examined((), missing, said, "" if surfaces else mesh_hash(Path(opened), packages))
+        return Examination((), missing, said, "" if surfaces else mesh_hash(Path(opened), packages))
     except EngineRefused:  # it is not XML, which engines report
-        return Examined((), missing)
+        return Examination((), missing)

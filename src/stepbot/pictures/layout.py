@@ -182,7 +182,7 @@ def extent(visible: NDArray[np.int32]) -> tuple[float, float, float, float]:
     return float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1)
 
 
-class Wanted(Struct, frozen=True):
+class LabelRequest(Struct, frozen=True):
     """A label to place."""
 
     text: str
@@ -194,10 +194,10 @@ class Wanted(Struct, frozen=True):
     """Whether what it names is behind something else."""
 
 
-class Placed(Struct, frozen=True):
+class PlacedLabel(Struct, frozen=True):
     """A label in a column."""
 
-    label: Wanted
+    label: LabelRequest
     on_left: bool
     y: float
     """Middle of the text [px]."""
@@ -221,7 +221,7 @@ class Columns(Struct, frozen=True):
         return 2 * (int((self.bottom - self.top) / self.pitch) + 1)
 
 
-def placed(labels: Sequence[Wanted], columns: Columns) -> list[Placed]:
+def placed(labels: Sequence[LabelRequest], columns: Columns) -> list[PlacedLabel]:
     """The labels in two columns."""
     left, right = _sides(labels, columns)
     placed_labels = []
@@ -229,12 +229,12 @@ def placed(labels: Sequence[Wanted], columns: Columns) -> list[Placed]:
         ordered = sorted(side, key=lambda label: (label.anchor[1], label.anchor[0], label.text))
         heights = _spread([label.anchor[1] for label in ordered], columns)
         placed_labels += [
-            Placed(label, on_left, y) for label, y in zip(_untangled(ordered, heights, x), heights, strict=True)
+            PlacedLabel(label, on_left, y) for label, y in zip(_untangled(ordered, heights, x), heights, strict=True)
         ]
     return placed_labels
 
 
-def _sides(labels: Sequence[Wanted], columns: Columns) -> tuple[list[Wanted], list[Wanted]]:
+def _sides(labels: Sequence[LabelRequest], columns: Columns) -> tuple[list[LabelRequest], list[LabelRequest]]:
     """The labels of the left and of the right column; those near the middle balance the columns."""
     ordered = sorted(labels, key=lambda label: (label.anchor[0], label.anchor[1], label.text))
     middle, most = (columns.left + columns.right) / 2, columns.capacity // 2
@@ -244,10 +244,10 @@ def _sides(labels: Sequence[Wanted], columns: Columns) -> tuple[list[Wanted], li
     return ordered[:count], ordered[count:]
 
 
-def _untangled(labels: list[Wanted], heights: Sequence[float], x: float) -> list[Wanted]:
+def _untangled(labels: list[LabelRequest], heights: Sequence[float], x: float) -> list[LabelRequest]:
     """Exchange labels while that shortens the leader lines: lines of least total length do not cross."""
 
-    def length(label: Wanted, y: float) -> float:
+    def length(label: LabelRequest, y: float) -> float:
         return hypot(label.anchor[0] - x, label.anchor[1] - y)
 
     moved = list(labels)

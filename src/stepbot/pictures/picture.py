@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
 from .camera import VIEWS, Camera, View, camera_of
-from .layout import Color, Columns, Drawing, Place, Placed, Wanted, anchors, extent, placed
+from .layout import Color, Columns, Drawing, LabelRequest, Place, PlacedLabel, anchors, extent, placed
 from .raytrace import Renderer, Scene
 from .scene import Axis, Subject, scene_of
 
@@ -209,22 +209,22 @@ def _label(
     return tuple(label.text for label in wanted if label.text not in texts)
 
 
-def _wanted(subject: Subject, scene: Scene, camera: Camera, places: dict[int, Place]) -> list[Wanted]:
+def _wanted(subject: Subject, scene: Scene, camera: Camera, places: dict[int, Place]) -> list[LabelRequest]:
     labels = []
     for owner in dict.fromkeys(scene.owners.tolist()):
         if owner in places:
-            labels.append(Wanted(subject.names[owner], places[owner]))
+            labels.append(LabelRequest(subject.names[owner], places[owner]))
             continue
         points = scene.vertices[np.unique(scene.triangles[scene.owners == owner])]
         (place,) = _places(camera, 0.5 * (points.min(axis=0) + points.max(axis=0)))
-        labels.append(Wanted(subject.names[owner], place, hidden=True))
-    labels += [Wanted(axis.name, _places(camera, axis.point)[0], kind="joint") for axis in subject.axes]
+        labels.append(LabelRequest(subject.names[owner], place, hidden=True))
+    labels += [LabelRequest(axis.name, _places(camera, axis.point)[0], kind="joint") for axis in subject.axes]
     return labels
 
 
 def _most_important(
-    labels: list[Wanted], most: int, visible: NDArray[np.int32], places: dict[int, Place], subject: Subject
-) -> list[Wanted]:
+    labels: list[LabelRequest], most: int, visible: NDArray[np.int32], places: dict[int, Place], subject: Subject
+) -> list[LabelRequest]:
     """Up to ``most`` labels: joints first, then names by visible area."""
     if len(labels) <= most:
         return labels
@@ -235,7 +235,7 @@ def _most_important(
     return [label for label in labels if id(label) in kept]
 
 
-def _draw_label(drawing: Drawing, label: Placed, text: str, columns: Columns, size: float) -> None:
+def _draw_label(drawing: Drawing, label: PlacedLabel, text: str, columns: Columns, size: float) -> None:
     wanted, joint = label.label, label.label.kind == "joint"
     x = columns.left if label.on_left else columns.right
     outward = -1.0 if label.on_left else 1.0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from stepbot.assemble import UNREVISED, Built, build_robot
+from stepbot.assemble import UNREVISED, BuiltRobot, build_robot
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.revisions import lock_path
 from stepbot.robot.mesh_files import share_meshes
@@ -25,7 +25,7 @@ from .sidecars import what_to_read
 
 def build(
     sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Options, diagnostics: Diagnostics
-) -> Built | None:
+) -> BuiltRobot | None:
     """Build and check the robot; equal meshes are shared. None where errors prevent a robot.
 
     Args:
@@ -59,7 +59,7 @@ def build(
     return built
 
 
-def built_of(sidecar: Sidecar, step: Path, options: Options, diagnostics: Diagnostics) -> tuple[Built, Assembly]:
+def built_of(sidecar: Sidecar, step: Path, options: Options, diagnostics: Diagnostics) -> tuple[BuiltRobot, Assembly]:
     """Read a STEP file, and build and check the robot of a sidecar.
 
     Raises:

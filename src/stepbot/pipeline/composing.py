@@ -34,7 +34,7 @@ from stepbot.sidecar.tree import Mapping, child, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows_of
 from stepbot.verification.judging import MOST_NOTES, Subject, check_of
-from stepbot.verification.modules import Alone, in_initial_pose, in_model
+from stepbot.verification.modules import ModuleAlone, in_initial_pose, in_model
 
 from .building import built_of, places
 from .conversion import Options, is_description
@@ -54,7 +54,7 @@ _GAINS = "SB874:gains"
 """Computed gains of a description's actuators, which the whole robot computes again."""
 
 
-class Composed(Struct, frozen=True, eq=False):
+class ComposedRobot(Struct, frozen=True, eq=False):
     """A composed robot, and the files that it was made from."""
 
     robot: Robot
@@ -64,7 +64,7 @@ class Composed(Struct, frozen=True, eq=False):
     """The same, and the lock files that do not exist."""
     content: str
     """Hash of all of them; empty if one changed while it was read."""
-    modules: tuple[Alone, ...]
+    modules: tuple[ModuleAlone, ...]
     """Its modules, each with its robot alone."""
     checks: tuple[Check, ...]
     """The comparison of each module with the module alone."""
@@ -75,7 +75,7 @@ class Composed(Struct, frozen=True, eq=False):
         return joint_rows_of(self.robot)
 
 
-def compose(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> Composed:
+def compose(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> ComposedRobot:
     """Read all modules of a sidecar and compose its robot.
 
     Args:
@@ -93,7 +93,7 @@ def compose(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> Com
     read = tuple(path for path, digest in files.read.items() if digest is not None)
     is_unchanged = all(file_digest(path) == digest for path, digest in files.read.items())
     content = files_digest(files.read) if is_unchanged else ""
-    return Composed(robot, read, tuple(files.read), content, tuple(files.alone), tuple(files.checks))
+    return ComposedRobot(robot, read, tuple(files.read), content, tuple(files.alone), tuple(files.checks))
 
 
 def _report_gains(sidecar: Sidecar, robot: Robot, diagnostics: Diagnostics) -> None:
@@ -129,7 +129,7 @@ class _Files:
         self._modules = 0
         self.read: dict[Path, str | None] = {}
         """Hash of each file before it was read."""
-        self.alone: list[Alone] = []
+        self.alone: list[ModuleAlone] = []
         self.checks: list[Check] = []
 
     def _note(self, *paths: Path) -> None:
@@ -258,7 +258,7 @@ class _Files:
         return self._from_step(sidecar, named_step(sidecar, diagnostics), diagnostics)
 
 
-def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot]) -> list[Alone]:
+def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot]) -> list[ModuleAlone]:
     """The modules of a composed robot, each with its robot alone."""
     sections = sidecar.document.modules
     followers = loop_followers(robot) if sidecar.document.closures else ()
@@ -270,11 +270,11 @@ def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot
             original = alone[section.mirror_of or module.name]
             flips = _flips(original, section, sections)
             inside = frozenset(joint.name for joint in original.joints if module.prefix + joint.name in led)
-            modules.append(Alone(module, in_initial_pose(original, robot, module.prefix, flips), flips, inside))
+            modules.append(ModuleAlone(module, in_initial_pose(original, robot, module.prefix, flips), flips, inside))
     return modules
 
 
-def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], diagnostics: Diagnostics) -> list[Check]:
+def _compared(sidecar: Sidecar, robot: Robot, modules: list[ModuleAlone], diagnostics: Diagnostics) -> list[Check]:
     """Compare each module with its robot alone; report SB803 if they differ."""
     checks: list[Check] = []
     wrong: dict[str, list[str]] = {}

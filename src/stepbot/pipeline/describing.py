@@ -12,7 +12,7 @@ from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.file_references import openable
-from stepbot.engines.macros.expressions import Expanded
+from stepbot.engines.macros.expressions import Expansion
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, open_regular
 from stepbot.runtime.temporary import run_folder
@@ -49,7 +49,7 @@ def read_description(path: Path, options: Options, diagnostics: Diagnostics) -> 
 
 
 def _described(
-    path: Path, written_in: str, options: Options, diagnostics: Diagnostics, macros: Expanded | None = None
+    path: Path, written_in: str, options: Options, diagnostics: Diagnostics, macros: Expansion | None = None
 ) -> Description | None:
     """The content of a file that engines may read; with ``macros``, messages name the files that it is from."""
     span = Span(path.as_posix())

@@ -6,7 +6,7 @@ from math import floor, inf, log10
 
 import numpy as np
 
-from stepbot.assemble import Built
+from stepbot.assemble import BuiltRobot
 from stepbot.compose.parts import named
 from stepbot.diagnostics import Diagnostics, cut, did_you_mean
 from stepbot.draft.stops.stops import Question, Shapes, Stop, find_stops
@@ -145,7 +145,7 @@ _SLACK = {JointKind.REVOLUTE: 0.02, JointKind.PRISMATIC: 2e-4}
 """Ways [rad], [m] by which limits may pass a stop: meshes are as far off."""
 
 
-def report_passed_stops(sidecar: Sidecar, built: Built, assembly: Assembly, diagnostics: Diagnostics) -> None:
+def report_passed_stops(sidecar: Sidecar, built: BuiltRobot, assembly: Assembly, diagnostics: Diagnostics) -> None:
     """Report SB465 for each joint whose limits pass a position at which parts of its two links meet."""
     index = {component.path: component.index for component in assembly.components}
     parts = {link.name: [index[path] for path in link.components if path in index] for link in built.robot.links}

@@ -142,7 +142,7 @@ def _robot(
     return share_meshes(Robot(name, tuple(links), joints, meshes=assets.all(), source=assembly.source))
 
 
-class Shown(Struct, frozen=True, eq=False):
+class ShownScene(Struct, frozen=True, eq=False):
     """A scene and what it was made from."""
 
     diagnostics: Diagnostics
@@ -157,7 +157,7 @@ class Shown(Struct, frozen=True, eq=False):
     """The files that were read: the sidecar, the STEP and those that it refers to."""
 
 
-def show(target: Path, options: Options) -> Shown:
+def show(target: Path, options: Options) -> ShownScene:
     """The scene of a sidecar, a STEP file, or a URDF, SDFormat or MJCF; without verification, writes nothing.
 
     A sidecar with errors has the scene of its STEP file, if that can be read: all parts, and no joints.
@@ -167,16 +167,16 @@ def show(target: Path, options: Options) -> Shown:
     diagnostics = Diagnostics()
     if not exists(target):
         report_missing(target, diagnostics)
-        return Shown(diagnostics)
+        return ShownScene(diagnostics)
     return (_show_step if is_step_name(target.name) else _show_description)(target, options, diagnostics)
 
 
-def show_text(path: Path, text: str, options: Options) -> Shown:
+def show_text(path: Path, text: str, options: Options) -> ShownScene:
     """The scene of a sidecar with another text than its file has: what a change would give."""
     return _show_sidecar(path, options, text)
 
 
-def guessed(shown: Shown, step: Path, options: Options) -> Shown:
+def guessed(shown: ShownScene, step: Path, options: Options) -> ShownScene:
     """The same STEP file with the links and joints that `stepbot init` would draft."""
     assembly, drafting = shown.assembly, draft_step(step, options)
     if assembly is None or drafting.draft is None:
@@ -188,42 +188,42 @@ def guessed(shown: Shown, step: Path, options: Options) -> Shown:
     return replace(shown, scene=scene, robot=robot)
 
 
-def _show_step(step: Path, options: Options, diagnostics: Diagnostics) -> Shown:
+def _show_step(step: Path, options: Options, diagnostics: Diagnostics) -> ShownScene:
     try:
         with closing(Loading(step, what_to_read(None, options), options, diagnostics)) as loading:
             assembly = loading.assembly(diagnostics)
     except StepbotError as error:
         diagnostics.extend(error.diagnostics)
-        return Shown(diagnostics, files=(step,))
+        return ShownScene(diagnostics, files=(step,))
     return _parts_alone(assembly, step_stem(step.name), diagnostics, None, _files(step, assembly))
 
 
-def _show_description(path: Path, options: Options, diagnostics: Diagnostics) -> Shown:
+def _show_description(path: Path, options: Options, diagnostics: Diagnostics) -> ShownScene:
     robot = described_robot(path, options, diagnostics)
     if robot is None:
-        return Shown(diagnostics, files=(path,))
-    return Shown(diagnostics, scene_document(robot, diagnostics=diagnostics), robot=robot, files=(path,))
+        return ShownScene(diagnostics, files=(path,))
+    return ShownScene(diagnostics, scene_document(robot, diagnostics=diagnostics), robot=robot, files=(path,))
 
 
 def _parts_alone(
     assembly: Assembly, name: str, diagnostics: Diagnostics, sidecar: Path | None, files: tuple[Path, ...]
-) -> Shown:
+) -> ShownScene:
     scene = scene_document(robot_of_assembly(assembly, name), assembly=assembly, diagnostics=diagnostics)
-    return Shown(diagnostics, scene, assembly, sidecar=sidecar, files=files)
+    return ShownScene(diagnostics, scene, assembly, sidecar=sidecar, files=files)
 
 
 def _files(step: Path, assembly: Assembly) -> tuple[Path, ...]:
     return (step, *(step.parent / name for name in assembly.external_files))
 
 
-def _show_composed(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> Shown:
+def _show_composed(sidecar: Sidecar, options: Options, diagnostics: Diagnostics) -> ShownScene:
     composed = compose(sidecar, options, diagnostics)
     evidence = evidence_of_rows(composed.joint_table)
     scene = scene_document(composed.robot, evidence=evidence, diagnostics=diagnostics)
-    return Shown(diagnostics, scene, robot=composed.robot, sidecar=sidecar.path, files=composed.files)
+    return ShownScene(diagnostics, scene, robot=composed.robot, sidecar=sidecar.path, files=composed.files)
 
 
-def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Shown:
+def _show_sidecar(path: Path, options: Options, text: str | None = None) -> ShownScene:
     diagnostics = Diagnostics()
     assembly: Assembly | None = None
     files: tuple[Path, ...] = (path,)
@@ -243,8 +243,8 @@ def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Show
     except StepbotError as error:
         diagnostics.extend(error.diagnostics)
         if assembly is None:
-            return Shown(diagnostics, sidecar=path, files=files)
+            return ShownScene(diagnostics, sidecar=path, files=files)
         return _parts_alone(assembly, step_stem(assembly.source), diagnostics, path, files)
     evidence = evidence_of_rows(built.joint_table, drafted_reviews(sidecar.text), drafted_stops(sidecar.text))
     scene = scene_document(built.robot, evidence=evidence, assembly=assembly, diagnostics=diagnostics)
-    return Shown(diagnostics, scene, assembly, built.robot, path, files)
+    return ShownScene(diagnostics, scene, assembly, built.robot, path, files)

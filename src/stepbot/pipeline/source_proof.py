@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from msgspec.structs import replace
 
 from stepbot.described.finding import LOST
-from stepbot.described.robot import Described
+from stepbot.described.robot import DescribedRobot
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.description.mjcf_vocabulary import LED
@@ -64,7 +64,7 @@ _COPIED = "stepbot.engines.source_copy:source_copy"
 def compared_with_source(
     path: Path,
     description: Description,
-    described: Described,
+    described: DescribedRobot,
     rendered: Rendered,
     report: Report,
     options: Options,
@@ -143,7 +143,7 @@ def _chains_in(robot: Robot, joints: Iterable[Joint]) -> dict[str, tuple[Joint, 
     return chains
 
 
-def _chains(description: Description, described: Described) -> dict[str, ChainNames]:
+def _chains(description: Description, described: DescribedRobot) -> dict[str, ChainNames]:
     """The joints of a URDF that engines do not read alike, and the names of the single joints that they become."""
     if description.observation.format != "urdf":
         return {}
@@ -166,7 +166,7 @@ def _lost_by(declared: Set[str]) -> dict[Quantity, str]:
     return {quantity: f"a loss is declared ({code})" for code in codes for quantity in _CHANGED[code]}
 
 
-def _lost(described: Described, description: Description) -> dict[Quantity, str]:
+def _lost(described: DescribedRobot, description: Description) -> dict[Quantity, str]:
     """Quantities that a declared loss changes."""
     seen = description.observation
     lost = {

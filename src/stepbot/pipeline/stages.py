@@ -15,7 +15,7 @@ from pathlib import Path
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from stepbot.assemble import Built, link_components
+from stepbot.assemble import BuiltRobot, link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
@@ -100,7 +100,7 @@ def _produce(
         check_required(options.require, diagnostics)
     sidecar = load(path, options, diagnostics)
     with ExitStack() as running:
-        built: Built | None = None
+        built: BuiltRobot | None = None
         loading: Loading | None = None
         if not sidecar.document.modules:
             step = options.step or named_step(sidecar, diagnostics)

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from stepbot.compose.pruning import elements
 from stepbot.described.assumed import check_inertials, lacking, lumped, with_assumed
 from stepbot.described.finding import ASSUMED, ASSUMED_CONTACTS, UNSUPPORTED, Finding
-from stepbot.described.robot import Described, robot_of_description
+from stepbot.described.robot import DescribedRobot, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
@@ -100,7 +100,7 @@ def produce_translation(
     return Conversion(diagnostics, robot, all_files(written, report, options, diagnostics), report)
 
 
-def _without_contacts(described: Described, pairs: Sequence[tuple[str, str]]) -> Described:
+def _without_contacts(described: DescribedRobot, pairs: Sequence[tuple[str, str]]) -> DescribedRobot:
     """The robot of a file that does not state which of its links touch, without contacts of these.
 
     By default, Gazebo and PyBullet have no contacts within a robot; MuJoCo has.
@@ -150,7 +150,7 @@ def _read(path: Path, options: Options, diagnostics: Diagnostics) -> Description
 
 def _robot(
     path: Path, description: Description, options: Options, diagnostics: Diagnostics, replaced: Collection[str] = ()
-) -> tuple[Robot, Described]:
+) -> tuple[Robot, DescribedRobot]:
     """The checked robot of a description; all differences from its file are reported."""
     span = Span(path.as_posix())
     base = Base(options.base) if options.base else None
@@ -210,7 +210,7 @@ def _robot(
     return robot, replace(described, robot=robot)
 
 
-def _with_possible_masses(described: Described, options: Options) -> Described:
+def _with_possible_masses(described: DescribedRobot, options: Options) -> DescribedRobot:
     """The robot with mass properties from its geometry where the file states none that are possible, if requested.
 
     Otherwise with impossible inertias of slight links on what they are fixed to.

@@ -35,7 +35,7 @@ from .prestart import started_server
 
 if TYPE_CHECKING:
     from stepbot.verification.conversion import Provers
-    from stepbot.verification.modules import Alone
+    from stepbot.verification.modules import ModuleAlone
 
 _NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
@@ -134,7 +134,7 @@ def proven(
     provers: "Provers | None",
     options: Options,
     diagnostics: Diagnostics,
-    modules: "Sequence[Alone]" = (),
+    modules: "Sequence[ModuleAlone]" = (),
 ) -> Report:
     """The report on the files; without engines, on the robot alone.
 
@@ -151,7 +151,7 @@ def proven(
 
 
 def _verified(
-    written: Rendered, provers: "Provers", options: Options, diagnostics: Diagnostics, modules: "Sequence[Alone]"
+    written: Rendered, provers: "Provers", options: Options, diagnostics: Diagnostics, modules: "Sequence[ModuleAlone]"
 ) -> Report:
     """Verify the files in a temporary folder, before anything in the output folder is changed."""
     from stepbot.engines.workers import ObservationCache
@@ -176,7 +176,7 @@ def _verified(
         )
 
 
-def _lowered(modules: "Sequence[Alone]", name: str, whole: Robot) -> "tuple[tuple[Alone, Robot], ...]":
+def _lowered(modules: "Sequence[ModuleAlone]", name: str, whole: Robot) -> "tuple[tuple[ModuleAlone, Robot], ...]":
     """Modules with their robots as a format expresses them; its losses are reported for the whole robot.
 
     A format that moves the zeros of loops does so for those between modules, too.

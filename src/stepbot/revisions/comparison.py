@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 from msgspec import Struct
 
-from stepbot.assemble.binder import Revised, listed
+from stepbot.assemble.binder import RevisedComponents, listed
 from stepbot.assemble.bound import Bound, bind
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
@@ -66,7 +66,7 @@ class BrokenPath(Struct, frozen=True):
 
 def rebind(
     old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, document: Document
-) -> tuple[tuple[BrokenPath, ...], Revised]:
+) -> tuple[tuple[BrokenPath, ...], RevisedComponents]:
     """All paths of a sidecar that a revision has broken, and their replacements."""
     binding = _Binding(old, new, matched, assembly)
     places: dict[str, list[PathPlace]] = {}
@@ -80,7 +80,7 @@ def rebind(
     ]
     components = part_components(assembly)
     added = frozenset(components[index].index for index in matched.added)
-    return tuple(broken), Revised({one.pattern: binding.indices(one.new) for one in broken}, added)
+    return tuple(broken), RevisedComponents({one.pattern: binding.indices(one.new) for one in broken}, added)
 
 
 class _Binding:
@@ -180,7 +180,7 @@ class Comparison(Struct, frozen=True):
     match: Match
     broken: tuple[BrokenPath, ...]
     """The paths of the sidecar that the revision has broken."""
-    revised: Revised
+    revised: RevisedComponents
     bound: Bound
     components: tuple[Component, ...]
     """The component of each part of ``new``."""

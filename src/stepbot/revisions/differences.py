@@ -7,7 +7,7 @@ from math import isfinite, isnan, nan, pi
 from msgspec import Struct
 
 from stepbot.engines.observation import Quantity
-from stepbot.verification.compare import Compared
+from stepbot.verification.compare import QuantityComparison
 from stepbot.verification.deviation import Deviation
 
 from .comparison import renamed_node
@@ -57,7 +57,7 @@ def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:
     return tuple(rows)
 
 
-def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
+def robot_differences(results: Sequence[QuantityComparison]) -> tuple[Difference, ...]:
     """Differences of two robots, quantity by quantity; consequences of other differences are left out."""
     compared = [result for result in results if not result.not_run and result.quantity not in _NO_DIFFERENCE]
     failed = [one for one in compared if one.deviations.failures]
@@ -65,7 +65,7 @@ def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
     return tuple(row for one in direct or failed for row in _of_robots(one.quantity, one.deviations.failures))
 
 
-def not_compared(results: Sequence[Compared]) -> str:
+def not_compared(results: Sequence[QuantityComparison]) -> str:
     """The quantities of two robots that were not compared, by reason; empty if all were."""
     by_reason: dict[str, list[str]] = {}
     for result in results:

@@ -6,7 +6,7 @@ from math import isfinite
 
 from msgspec.structs import asdict
 
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.report.plain import Json
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointKind
@@ -34,11 +34,11 @@ class Contacts:
     def __init__(self, memory_limit: int | None) -> None:
         self._memory_limit = memory_limit
         self._lock = threading.Lock()
-        self._shown: Shown | None = None
+        self._shown: ShownScene | None = None
         self._search: ContactSearch | None = None
         self._closed = False
 
-    def answer(self, shown: Shown | None, question: Json) -> Json:
+    def answer(self, shown: ShownScene | None, question: Json) -> Json:
         """The links that overlap: ``{q}``, positions [rad] or [m] of all moving joints.
 
         ``{pairs}`` is None, with the reason ``why``, where links cannot be compared.
@@ -81,7 +81,7 @@ def _is_finite(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
 
 
-def axes_between(shown: Shown | None, question: Json) -> Json:
+def axes_between(shown: ShownScene | None, question: Json) -> Json:
     """The axes that two components share: ``{a, b}``."""
     if shown is None or shown.assembly is None:
         return {"lines": []}
@@ -96,7 +96,7 @@ def axes_between(shown: Shown | None, question: Json) -> Json:
     return {"lines": [asdict(axis) for axis in axes]}
 
 
-def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json:
+def axes_of_joint(shown: ShownScene | None, sidecar: Sidecar, question: Json) -> Json:
     """The lines that the origin of a joint or closure selects among: ``{joint}``; none for numbers."""
     name, document = text(question, "joint"), sidecar.document
     if shown is None or shown.assembly is None:
@@ -135,6 +135,6 @@ def _below(assembly: Assembly, pattern: str) -> Sequence[int]:
     return list(assembly.subtree(component[0])) if len(component) == 1 else []
 
 
-def _links(shown: Shown) -> dict[str, list[str]]:
+def _links(shown: ShownScene) -> dict[str, list[str]]:
     """Paths of the components with a body of each link."""
     return {link["name"]: link["components"] for link in (shown.scene or {}).get("links", ())}

@@ -34,7 +34,7 @@ _STAY = ("assign", "add_joint", "add_closure", "remove_joint", "merge", "root", 
 """Actions on the tree of links, which is that of the description."""
 
 
-class Edited(Struct, frozen=True):
+class EditedSidecar(Struct, frozen=True):
     """A sidecar as the page edits it."""
 
     sidecar: Sidecar
@@ -46,15 +46,15 @@ class Edited(Struct, frozen=True):
     """Name of the description."""
 
 
-def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
+def edited_view(sidecar: Sidecar, robot: Robot | None) -> EditedSidecar:
     """The sidecar with all values of the description that it changes; any other one as it is."""
     named = list(sidecar.document.modules.items())
     if robot is None or sidecar.document.links or len(named) != 1:
-        return Edited(sidecar, sidecar.root)
+        return EditedSidecar(sidecar, sidecar.root)
     module, section = named[0]
     source = section.file or ""
     if section.prefix != "" or section.mirror or not is_description(sidecar.path.parent / source):
-        return Edited(sidecar, sidecar.root)
+        return EditedSidecar(sidecar, sidecar.root)
     given = value_at(sidecar.root, ("modules", module, "set"))
     changes = given if isinstance(given, Mapping) else None
     base = sidecar_of(robot, changes, sidecar.path.parent / source, diagnostics := Diagnostics())
@@ -65,10 +65,10 @@ def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
     entries |= {} if changes is None else changes.entries
     own = replace(sidecar.root, entries=entries)
     root = merged(base.root, own)
-    return Edited(replace(base, path=sidecar.path, text=sidecar.text, root=root), own, module, source)
+    return EditedSidecar(replace(base, path=sidecar.path, text=sidecar.text, root=root), own, module, source)
 
 
-def require_editable(view: Edited, robot: Robot | None, question: Json) -> None:
+def require_editable(view: EditedSidecar, robot: Robot | None, question: Json) -> None:
     """Refuse edits of a description's tree of links, and of elements of a module, whose own file is named."""
     edits = question.get("edits")
     for edit in edits if isinstance(edits, list) else [question]:
@@ -114,12 +114,12 @@ def _module_of(robot: Robot, section: str, name: str) -> Module | None:
     return next((module for module in reversed(robot.modules) if link in module.links), None)
 
 
-def in_file(actual: Sidecar, view: Edited, changes: list[Change], question: Json) -> list[Change]:
+def in_file(actual: Sidecar, view: EditedSidecar, changes: list[Change], question: Json) -> list[Change]:
     """Changes of a view as changes of the file."""
     return list(_in_file(actual, view, changes, str(question.get("action")))) if view.module else changes
 
 
-def _in_file(actual: Sidecar, view: Edited, changes: list[Change], action: str) -> Iterator[Change]:
+def _in_file(actual: Sidecar, view: EditedSidecar, changes: list[Change], action: str) -> Iterator[Change]:
     for change in changes:
         keys = _placed(view, change.keys)
         is_there = value_at(actual.root, keys) is not None
@@ -137,7 +137,7 @@ def _in_file(actual: Sidecar, view: Edited, changes: list[Change], action: str) 
             raise Refused(f"this value is in '{view.source}', which stays as it is; give another value")
 
 
-def _placed(view: Edited, keys: Keys) -> Keys:
+def _placed(view: EditedSidecar, keys: Keys) -> Keys:
     if keys[0] in _OF_STEP:
         raise Refused(f"`{keys[0]}` is for STEP files; '{view.source}' is none")
     if keys[0] in CHANGEABLE:
@@ -145,7 +145,7 @@ def _placed(view: Edited, keys: Keys) -> Keys:
     return keys
 
 
-def _renamed(actual: Sidecar, view: Edited, change: Rename) -> Iterator[Change]:
+def _renamed(actual: Sidecar, view: EditedSidecar, change: Rename) -> Iterator[Change]:
     section, name = str(change.keys[0]), str(change.keys[1])
     if section == "joint_defaults":
         return
@@ -168,7 +168,7 @@ _FIRST, _FRICTION, _LATER = 0, 7, 8
 _CONTACT = re.compile(r"\bcontact: \S")
 
 
-def written(view: Edited, scene: Json) -> Json:
+def written(view: EditedSidecar, scene: Json) -> Json:
     """``{data, lines, places, decisions, described}``: values, text, lines of keys, what is left to decide, source."""
     sidecar = replace(view.sidecar, root=view.own)
     places = [(list(keys), first, last) for keys, first, last in _places(sidecar.root)]

@@ -14,7 +14,7 @@ from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.drafting import draft_step
-from stepbot.pipeline.scenes import Shown, show_text
+from stepbot.pipeline.scenes import ShownScene, show_text
 from stepbot.pipeline.sidecars import named_step
 from stepbot.report.plain import Json
 from stepbot.robot.model import Robot
@@ -24,7 +24,7 @@ from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 
-from .decisions import Edited, edited_view, in_file, require_editable
+from .decisions import EditedSidecar, edited_view, in_file, require_editable
 from .edits import changes_of
 from .local_server import Refused
 from .questions import text as text_of
@@ -43,7 +43,7 @@ class Editor:
         self,
         sidecar: Path,
         options: Options,
-        show: Callable[[Shown], None],
+        show: Callable[[ShownScene], None],
         robot: Callable[[], Robot | None] = lambda: None,
     ) -> None:
         """Edit a sidecar; ``show`` shows what was written, ``robot`` returns the robot that is shown."""
@@ -85,7 +85,7 @@ class Editor:
         """Do the last undone step again; refused likewise."""
         return self._move(self._undone, self._done, back=False)
 
-    def sidecar(self) -> Edited:
+    def sidecar(self) -> EditedSidecar:
         """The sidecar as it is now, as the page edits it; refused if it has errors."""
         return edited_view(self._parsed(_lines(self._content())[0]), self._robot())
 
@@ -141,7 +141,7 @@ class Editor:
         except OSError as error:
             raise Refused(f"the sidecar cannot be read: {error.strerror}") from error
 
-    def _written(self, before: bytes, content: bytes) -> Shown:
+    def _written(self, before: bytes, content: bytes) -> ShownScene:
         """Check, then write in place of ``before``; returns what to show.
 
         A check takes seconds: what another program saved meanwhile stays, and the edit is refused.

@@ -9,7 +9,7 @@ from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.jobs.incremental import convert, produce
 from stepbot.pipeline.conversion import Conversion, Options, write
 from stepbot.pipeline.loading import hold_geometry, release_geometry
-from stepbot.pipeline.scenes import Shown, guessed, show
+from stepbot.pipeline.scenes import ShownScene, guessed, show
 from stepbot.report.plain import Json
 from stepbot.runtime.file import resolved
 from stepbot.runtime.output import failed_output
@@ -54,7 +54,7 @@ class Session:
         """The files at the last call of :meth:`refresh`."""
         self._lock = threading.Lock()
         self._scene = b"null"
-        self._shown: Shown | None = None
+        self._shown: ShownScene | None = None
         self._is_current = False
         """Whether what is shown is what the files have: not after a save with errors."""
         self._revision = 0
@@ -86,7 +86,7 @@ class Session:
         self.server = LocalServer(self._page, lambda: self._scene, answers, port, lambda: self._made)
         hold_geometry(self)
 
-    def load(self) -> Shown:
+    def load(self) -> ShownScene:
         """Read the target and show it; after errors the page keeps the last robot, if there was one."""
         self.on_reading()
         before = _signature(self.files)
@@ -101,7 +101,7 @@ class Session:
         self._set(shown)
         return shown
 
-    def refresh(self) -> Shown | None:
+    def refresh(self) -> ShownScene | None:
         """Read the target again if another program has saved one of its files, and has finished; None otherwise."""
         now = _signature(self.files)
         settled, self._last = now == self._last, now
@@ -120,7 +120,7 @@ class Session:
             self.server.send("busy", {"text": "looking for joints"})
             self._set(guessed(shown, self.target, self._options))
 
-    def _set(self, shown: Shown) -> None:
+    def _set(self, shown: ShownScene) -> None:
         with self._lock:
             self._shown, self._is_current = shown, True
             self._scene = scene_text(shown.scene or {}).encode("utf-8", "backslashreplace")
@@ -130,7 +130,7 @@ class Session:
         edit = None if self._editor is None else self._editor.state()
         self.server.send("scene", {"revision": self._revision, "edit": edit})
 
-    def _edited(self, shown: Shown) -> None:
+    def _edited(self, shown: ShownScene) -> None:
         self.files = shown.files or self.files
         self._seen = _signature(self.files)
         self._set(shown)

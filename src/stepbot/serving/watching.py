@@ -14,7 +14,7 @@ from stepbot.jobs.incremental import failure_of, produce
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.loading import hold_geometry
 from stepbot.pipeline.prestart import stay_warm
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.runtime.file import is_folder, resolved
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
@@ -134,7 +134,7 @@ def proof(sidecar: Path, options: Options) -> Conversion:
     return produce(sidecar, options)._replace(robot=None)
 
 
-def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> None:
+def follow(session: Session, changed: Callable[[ShownScene], None], ended: Event) -> None:
     """Show a session's target again when another program saves one of its files, until ``ended`` is set.
 
     It looks at the files 50 times a second, without `watchfiles`; the page's own edits are shown already. ``changed``
@@ -146,7 +146,7 @@ def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> 
             changed(shown)
 
 
-def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None], ended: Event) -> None:
+def watch(sessions: Sequence[Session], changed: Callable[[Session, ShownScene], None], ended: Event) -> None:
     """Show each session's target again when one of its files changes, and call ``changed``, until ``ended`` is set."""
     from watchfiles import watch as changes
 

@@ -21,7 +21,7 @@ from .motion import DynamicsSection, LimitsSection
 from .motor_sections import MotorSection, OwnMotors
 from .motors import (
     AmbiguousMotor,
-    Found,
+    NamedMotor,
     UnknownMotor,
     UnknownSupply,
     UnscalableMotor,
@@ -137,7 +137,7 @@ def _check_sources(root: Tree, own: Mapping[str, MotorSection], diagnostics: Dia
 
 def _motor_of(
     sidecar: Sidecar, name: str, actuator: ActuatorSection, *, is_known: bool, diagnostics: Diagnostics
-) -> Found | None:
+) -> NamedMotor | None:
     """The motor of an actuator; None if there is none, which is reported, if the user's own are known."""
     assert actuator.motor is not None
     place = sidecar.span("actuators", name, "motor")
@@ -156,7 +156,7 @@ def _motor_of(
 
 
 def _fitted(
-    sidecar: Sidecar, name: str, actuator: ActuatorSection, one: Found, kind: JointKind, diagnostics: Diagnostics
+    sidecar: Sidecar, name: str, actuator: ActuatorSection, one: NamedMotor, kind: JointKind, diagnostics: Diagnostics
 ) -> Motor | None:
     message, help, key = "", "", "motor"
     if kind is JointKind.PRISMATIC and "gear" not in actuator.model_fields_set and one.motor.max_force is None:
@@ -176,7 +176,7 @@ def _fitted(
     return None
 
 
-def _driven(actuator: ActuatorSection, motor: Motor, one: Found, joint: JointKind) -> ActuatorSection:
+def _driven(actuator: ActuatorSection, motor: Motor, one: NamedMotor, joint: JointKind) -> ActuatorSection:
     """The actuator with its kind and gains: those of the firmware, or computed ones."""
     update: dict[str, Any] = {}
     kind, given = actuator.kind, actuator.model_fields_set

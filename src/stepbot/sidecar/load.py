@@ -21,7 +21,7 @@ from .fitting import with_motors
 from .located import NO_MOTORS, OwnMotors, Sidecar
 from .quantities import described
 from .schema_faults import place_of, report_schema_faults
-from .syntax_faults import Composed, compose_around_faults
+from .syntax_faults import ParsedText, compose_around_faults
 from .text import BoundedDiagnostics, TooManyFaultsError, is_text, read_text
 from .tree import Keys, Mapping, Scalar, Tree, child, key_span, plain_data, subject
 
@@ -107,7 +107,7 @@ def _parsed(
 
 
 @lru_cache(maxsize=4)
-def _composed(text: str, file: str) -> tuple[Composed, tuple[Diagnostic, ...]]:
+def _composed(text: str, file: str) -> tuple[ParsedText, tuple[Diagnostic, ...]]:
     """The tree of a text with its faults; kept, as a page that edits asks for the text before and after many times."""
     diagnostics = BoundedDiagnostics()
     composed = compose_around_faults(text, file, diagnostics)

@@ -61,7 +61,7 @@ class UnknownSupply(UnscalableMotor):
     """A motor has no figures for a supply."""
 
 
-class Found(NamedTuple):
+class NamedMotor(NamedTuple):
     """A motor of the catalogue."""
 
     name: str
@@ -84,7 +84,7 @@ def catalogue_motor(name: str) -> MotorSection:
     return MotorSection.model_validate(_catalogue()[name])
 
 
-def at_other_supplies(one: Found) -> Iterator[str]:
+def at_other_supplies(one: NamedMotor) -> Iterator[str]:
     """The motors of the catalogue that share a name with one and have another supply, with it."""
     own = one.motor.figures().get("voltage")
     for name in catalogue_names():
@@ -104,7 +104,7 @@ def bare(name: str) -> str:
     return _SEPARATORS.sub("-", name.strip().casefold())
 
 
-def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
+def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> NamedMotor:
     """A motor by any of its names, in any case, with any separators or none; a user's own motors first.
 
     Raises:
@@ -120,7 +120,7 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
             wanted = joined.get(wanted.replace("-", ""), wanted)
         if wanted in names:
             name = names[wanted]
-            return Found(name, own[name] if names is of_own[0] else catalogue_motor(name))
+            return NamedMotor(name, own[name] if names is of_own[0] else catalogue_motor(name))
         if wanted in families:
             raise AmbiguousMotor(name, families[wanted])
         known |= {word: (one,) for word, one in names.items()} | families
@@ -173,7 +173,7 @@ def default_kind(motor: MotorSection, joint: JointKind) -> ActuatorKind:
     return ActuatorKind.VELOCITY if turns and motor.kind is not MotorKind.STEPPER else ActuatorKind.POSITION
 
 
-def fitted(ratings: Found, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
+def fitted(ratings: NamedMotor, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
     """What a motor gives an actuator.
 
     Args:

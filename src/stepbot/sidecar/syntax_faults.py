@@ -26,7 +26,7 @@ _OPENERS = {"sequence": ("[", "]"), "mapping": ("{", "}")}
 _TOP_LEVEL_KEY = re.compile(r"[^\s#\]})]")
 
 
-class Composed(Struct, frozen=True):
+class ParsedText(Struct, frozen=True):
     """The parsed part of a text."""
 
     tree: Tree | None
@@ -34,7 +34,7 @@ class Composed(Struct, frozen=True):
     """Whether all of the text is in the tree; False if sections with syntax errors are missing."""
 
 
-def compose_around_faults(text: str, file: str, diagnostics: Diagnostics) -> Composed:
+def compose_around_faults(text: str, file: str, diagnostics: Diagnostics) -> ParsedText:
     """The tree of all valid sections; every syntax error is reported.
 
     Reports SB104 syntax, SB104 tabs, SB104 unquoted paths, and the errors of :func:`stepbot.sidecar.compose.compose`.
@@ -50,7 +50,7 @@ def compose_around_faults(text: str, file: str, diagnostics: Diagnostics) -> Com
             tree = compose("\n".join(lines), file, attempt)
         except (TooMuchError, TooManyFaultsError):
             diagnostics.extend(attempt)
-            return Composed(None, False)
+            return ParsedText(None, False)
         except MarkedYAMLError as failure:
             whole = False
             if "'\\t'" in str(failure.problem) and (
@@ -66,11 +66,11 @@ def compose_around_faults(text: str, file: str, diagnostics: Diagnostics) -> Com
             if spoiled.isdisjoint(section) and not reported:
                 fault.report(diagnostics)
             if budget < len(text) or fault.ends_document or not _blank(lines, section):
-                return Composed(None, False)
+                return ParsedText(None, False)
         else:
             diagnostics.extend(attempt)
-            return Composed(tree, whole)
-    return Composed(None, False)
+            return ParsedText(tree, whole)
+    return ParsedText(None, False)
 
 
 _STARRED_KEY = re.compile(r"(?P<indent> *(?:- +)?)(?P<path>\*(?:[^\"'{}\[\],#:]*[^\s\"'{}\[\],#:])?):(?=\s|$)")

@@ -17,7 +17,7 @@ from .exchange.length_unit import LengthUnit
 from .one_file import FileContent, guarded, optional, read_file
 from .structure.source import NONE, Child, Definition, StepMaterial
 from .structure.tree import Tree, grow
-from .validation.properties import Stated, Subjects, read_statements
+from .validation.properties import StatedValue, Subjects, read_statements
 
 
 class Composition:
@@ -112,7 +112,7 @@ class Content(Struct, frozen=True, eq=False):
     unit: LengthUnit
     definitions: list[Definition]
     tree: Tree
-    stated: list[Stated]
+    stated: list[StatedValue]
     """Values stated in the files for comparison."""
     mechanisms: int
     """Number of kinematic mechanisms in the file of the assembly."""
@@ -145,12 +145,12 @@ def _put_together(
         diagnostics.add("SB205", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
         return None
 
-    def read_stated() -> list[Stated]:
+    def read_stated() -> list[StatedValue]:
         read = zip(contents.values(), composition.places(), strict=True)
         return [value for content, places in read for value in _stated(content, places, definitions, tree)]
 
     # Of an incomplete assembly, what the file states is of other parts, too.
-    stated: list[Stated] = []
+    stated: list[StatedValue] = []
     if is_complete:
         stated = optional("validation properties", place, diagnostics, read_stated, stated)
     external = tuple(files[file].name for file in contents if file)
@@ -198,12 +198,14 @@ def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...],
     return False
 
 
-def _stated(content: FileContent, places: Mapping[int, int], definitions: list[Definition], tree: Tree) -> list[Stated]:
+def _stated(
+    content: FileContent, places: Mapping[int, int], definitions: list[Definition], tree: Tree
+) -> list[StatedValue]:
     statements = read_statements(content.session)
     if not statements:
         return []
     subjects = Subjects(content.session, content.products, places, definitions, tree)
-    return [Stated(subjects.of(entity), quantity, value) for entity, quantity, value in statements]
+    return [StatedValue(subjects.of(entity), quantity, value) for entity, quantity, value in statements]
 
 
 def _unit(contents: Mapping[int, FileContent]) -> LengthUnit:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, cut, did_you_mean, listed
 from stepbot.engines.description.statements import Statement
-from stepbot.engines.examination import Examined
+from stepbot.engines.examination import Examination
 from stepbot.engines.file_references import openable
-from stepbot.engines.macros.expressions import Expanded
+from stepbot.engines.macros.expressions import Expansion
 from stepbot.engines.source_copy import MissingMesh
 from stepbot.formats import FORMATS
 from stepbot.formats.features import Feature, Level
@@ -177,7 +177,7 @@ def expanded(
     packages: Iterable[Path],
     diagnostics: Diagnostics,
     workers: Workers,
-) -> Expanded | None:
+) -> Expansion | None:
     """The URDF of a file with macros; None after SB877 or SB902.
 
     Args:
@@ -191,7 +191,7 @@ def expanded(
         return None
     given = dict(arguments)
     try:
-        macros: Expanded = workers.call(_EXPAND, str(openable(path)), given, tuple(map(resolved, packages)))
+        macros: Expansion = workers.call(_EXPAND, str(openable(path)), given, tuple(map(resolved, packages)))
     except WorkerDied as death:
         diagnostics.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
         return None
@@ -231,7 +231,7 @@ def _examined(
     *,
     stated: bool = False,
     surfaces: bool = False,
-) -> Iterator[tuple[Path, Examined]]:
+) -> Iterator[tuple[Path, Examination]]:
     """The files that engines may read, with what was found in each."""
     for path, written_in in formats.items():
         copy = copies[path]
@@ -239,7 +239,7 @@ def _examined(
             copy.parent.mkdir(exist_ok=True)
         names = str(path), written_in, str(openable(path)), str(copy or "")
         try:
-            examined: Examined = workers.call(_EXAMINE, *names, packages, stated, surfaces)
+            examined: Examination = workers.call(_EXAMINE, *names, packages, stated, surfaces)
         except WorkerDied as death:
             message = f"the process that reads the file's references died: {death.reason}"
             diagnostics.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)

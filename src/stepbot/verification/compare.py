@@ -71,7 +71,7 @@ def _text(gravity: tuple[float, ...]) -> str:
 Comparison = Callable[[Deviations, Observation, Observation], None]
 
 
-class Compared(Struct, frozen=True):
+class QuantityComparison(Struct, frozen=True):
     """The result of comparing one quantity."""
 
     quantity: Quantity
@@ -80,7 +80,7 @@ class Compared(Struct, frozen=True):
     """Why nothing was compared; empty if something was."""
 
 
-def compare(reference: Observation, observed: Observation) -> tuple[Compared, ...]:
+def compare(reference: Observation, observed: Observation) -> tuple[QuantityComparison, ...]:
     """Compare everything that both sides report, in the order of the report.
 
     Quantities that the robot does not have (loops, mimics, frames) are left out.
@@ -98,7 +98,7 @@ def compare(reference: Observation, observed: Observation) -> tuple[Compared, ..
                 continue
             if not deviations.deviations:
                 reason = f"{observed.engine} does not report it"
-        results.append(Compared(quantity, deviations, reason))
+        results.append(QuantityComparison(quantity, deviations, reason))
     return tuple(results)
 
 

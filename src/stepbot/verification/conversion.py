@@ -21,7 +21,7 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 from .compare import compare
 from .expectation import mechanism, requests
 from .judging import Subject, checks_without_observation, judged, report_of, report_unread
-from .modules import Alone, as_alone
+from .modules import ModuleAlone, as_alone
 from .self_collision.search import Overlap
 from .self_collision.shapes import available
 from .self_collision.worker import Collider
@@ -37,7 +37,7 @@ class Written(Struct, frozen=True):
     path: Path
     robot: Robot
     """The robot as the format expresses it, from :func:`stepbot.formats.lowering.lower`."""
-    modules: tuple[tuple[Alone, Robot], ...] = ()
+    modules: tuple[tuple[ModuleAlone, Robot], ...] = ()
     """The modules that the robot is composed of, and the robot of each, alone, as the format expresses it."""
 
 

@@ -31,7 +31,7 @@ from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import DEFAULT_WORKERS, Workers
 
 from .admission import admitted, is_robot_file, located
-from .compare import Compared
+from .compare import QuantityComparison
 from .correspondence import Correspondence
 from .counterparts import counterparts, with_new_names, with_old_names
 from .deviation import TOLERANCES, Deviations
@@ -102,7 +102,7 @@ def compare_two(
     workers: Workers,
     packages: Iterable[Path] = (),
     xacro: Iterable[tuple[str, str]] = (),
-) -> "tuple[Compared, ...] | None":
+) -> "tuple[QuantityComparison, ...] | None":
     """Compare one file with another in everything that engines report of both; None if either cannot be read.
 
     Args:
@@ -146,7 +146,7 @@ def _witness(failed: Outcome, of_file: Mapping[str, Sequence[Outcome]]) -> str:
     return min(able, key=lambda one: one.order).name if able else ""
 
 
-def _of_one_alone(ours: Gathered, theirs: Gathered) -> tuple[Compared, ...]:
+def _of_one_alone(ours: Gathered, theirs: Gathered) -> tuple[QuantityComparison, ...]:
     """What one of two files of a format has alone: named frames, sizes of shapes, where engines report both's."""
     frames, sizes = (Deviations(TOLERANCES[one]) for one in (Quantity.FRAMES, Quantity.MESHES))
     a, b = ours.observation, theirs.observation
@@ -159,7 +159,7 @@ def _of_one_alone(ours: Gathered, theirs: Gathered) -> tuple[Compared, ...]:
             has = [getattr(link, f"{side}_bounds") is not None for link in (one, other)]
             wrong = f"size of the {side} of link '{one.name}' is {'missing' if has[0] else 'new'}"
             sizes.equal(has[0] == has[1], wrong)
-    return Compared(Quantity.FRAMES, frames), Compared(Quantity.MESHES, sizes)
+    return QuantityComparison(Quantity.FRAMES, frames), QuantityComparison(Quantity.MESHES, sizes)
 
 
 def observed(

@@ -17,7 +17,7 @@ from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.renaming import NewNames
 
-from .compare import Compared, compare
+from .compare import QuantityComparison, compare
 from .correspondence import Correspondence, normalized_joints
 from .merged_observation import Gathered, gather
 from .normalized import normalized
@@ -63,13 +63,15 @@ class Subject(Struct, frozen=True):
 ENGINE_WARNING = "SB813"
 
 
-def judged(subject: Subject, compared: Compared, diagnostics: Diagnostics, warning_code: str = ENGINE_WARNING) -> Check:
+def judged(
+    subject: Subject, compared: QuantityComparison, diagnostics: Diagnostics, warning_code: str = ENGINE_WARNING
+) -> Check:
     """The check of a comparison; a failure is reported, with this code if it is a warning of the engine."""
     report_failure(subject, compared, warning_code, diagnostics)
     return check_of(subject, compared)
 
 
-def check_of(subject: Subject, compared: Compared) -> Check:
+def check_of(subject: Subject, compared: QuantityComparison) -> Check:
     """The check of a comparison."""
     worst, quantity = compared.deviations.worst, compared.quantity.value
     if compared.not_run or worst is None:
@@ -88,7 +90,7 @@ def check_of(subject: Subject, compared: Compared) -> Check:
     return subject.check(quantity, status, amount, allowed, shown.unit, where, why)
 
 
-def report_failure(subject: Subject, compared: Compared, warning_code: str, diagnostics: Diagnostics) -> None:
+def report_failure(subject: Subject, compared: QuantityComparison, warning_code: str, diagnostics: Diagnostics) -> None:
     """A diagnostic of a failed comparison; its first line is complete, the rest are notes."""
     failures = compared.deviations.failures
     if not failures or compared.not_run:
@@ -244,14 +246,14 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, diagnostics: Diag
                 yield judged(subject, one, diagnostics)
 
 
-def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:
+def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[QuantityComparison, ...]:
     """The comparison of a file with the first one."""
     return _compared_across(ours, theirs, asked, first=True, whole=True)
 
 
 def _compared_across(
     ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool, whole: bool = False
-) -> tuple[Compared, ...]:
+) -> tuple[QuantityComparison, ...]:
     pair = ours.observation, theirs.observation
     by = asked.correspondences.get(theirs.key, Correspondence(()))
     if first:
@@ -269,11 +271,11 @@ def _compared_across(
         text = compare_text(*texts, equal=equal, whole=whole, compiled=compiled, defaults=defaults)
         results = results if text is None else (*results, text)
         if whole and equal and text is None and all(texts):
-            results = (*results, Compared(Quantity.TEXT, compare_settings(*(one.settings for one in pair))))
+            results = (*results, QuantityComparison(Quantity.TEXT, compare_settings(*(one.settings for one in pair))))
     return results
 
 
-def _add_other_names(results: Iterable[Compared], names: NewNames) -> None:
+def _add_other_names(results: Iterable[QuantityComparison], names: NewNames) -> None:
     """What was paired by structure has another name."""
     for result in results:
         renamed = {Quantity.LINKS: names.links, Quantity.JOINTS: names.joints}.get(result.quantity, {})

@@ -16,7 +16,7 @@ from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import Joint, JointKind, Module, Robot
 from stepbot.robot.renaming import NewNames
 
-from .compare import Compared, compare
+from .compare import QuantityComparison, compare
 from .counterparts import with_new_names
 
 _CONFIGURATIONS = 4
@@ -25,7 +25,7 @@ _REACH = 0.4
 _NORMALS = {"x": (-1.0, 1.0, 1.0), "y": (1.0, -1.0, 1.0), "z": (1.0, 1.0, -1.0)}
 
 
-class Alone(NamedTuple):
+class ModuleAlone(NamedTuple):
     """A module of a composed robot, and what it is compared with."""
 
     module: Module
@@ -78,7 +78,7 @@ def in_initial_pose(alone: Robot, robot: Robot, prefix: str, flips: Collection[s
     return alone if alone.joints == tuple(moved) else replace(alone, joints=tuple(moved))
 
 
-def in_model(robot: Robot, modules: Sequence[Alone]) -> Iterator[tuple[Alone, Compared]]:
+def in_model(robot: Robot, modules: Sequence[ModuleAlone]) -> Iterator[tuple[ModuleAlone, QuantityComparison]]:
     """Compare the modules in the model of a composed robot with the modules alone, in several configurations."""
     configurations: list[dict[str, float]] = [{} for _ in range(_CONFIGURATIONS)]
     joints = {joint.child: joint.name for joint in robot.joints}
@@ -96,8 +96,8 @@ def in_model(robot: Robot, modules: Sequence[Alone]) -> Iterator[tuple[Alone, Co
 
 
 def as_alone(
-    one: Alone, lowered: Robot, robot: Robot, observed: Observation, request: Request, reference: Reference
-) -> Iterator[Compared]:
+    one: ModuleAlone, lowered: Robot, robot: Robot, observed: Observation, request: Request, reference: Reference
+) -> Iterator[QuantityComparison]:
     """Compare what an engine reports of a module in a composed robot with the module alone.
 
     The frame of a module's root link may be moved onto the axis of the joint that it hangs on, so only the mass of that

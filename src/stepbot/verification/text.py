@@ -24,7 +24,7 @@ from stepbot.geometry.spatial import (
     unit,
 )
 
-from .compare import Compared
+from .compare import QuantityComparison
 from .deviation import Deviations
 
 _EQUAL = Tolerance(absolute=1e-13, relative=1e-9)
@@ -72,7 +72,7 @@ def compare_text(
     whole: bool,
     compiled: bool = False,
     defaults: Container[str] = (),
-) -> Compared | None:
+) -> QuantityComparison | None:
     """What differs between the texts of two files; None if nothing does.
 
     Args:
@@ -105,7 +105,7 @@ def compare_text(
         missing = [_NUMBER.sub("", one.place) not in side for side in plain]
         if one.read and any(missing) and _UNREPORTED.search(one.place) and not _is_default(one):
             deviations.equal(False, f"{one.place} is {'missing' if missing[1] else 'not in the robot'}")
-    return Compared(Quantity.TEXT, deviations) if deviations.failures else None
+    return QuantityComparison(Quantity.TEXT, deviations) if deviations.failures else None
 
 
 def compare_settings(ours: Mapping[str, Sequence[float]], theirs: Mapping[str, Sequence[float]]) -> Deviations:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from msgspec.structs import replace
 
-from stepbot.assemble import Built, build_robot
+from stepbot.assemble import BuiltRobot, build_robot
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3
@@ -218,7 +218,7 @@ def build(shop: Workshop, folder: Path, text: str, found: Diagnostics) -> Robot 
     return robot_of(build_robot(shop.assembly, sidecar(folder, text), lambda: shop.measures, found))
 
 
-def robot_of(built: Built | None) -> Robot | None:
+def robot_of(built: BuiltRobot | None) -> Robot | None:
     """The robot, after all diagnostics."""
     if built is None:
         return None

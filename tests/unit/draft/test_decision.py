@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import _Drafting
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
-from stepbot.draft.inference import Inferred
+from stepbot.draft.inference import InferredMechanism
 from stepbot.draft.mechanism.decide import decide, nearest
 from stepbot.draft.mechanism.joints import same_joint
 from stepbot.draft.mechanism.loops import TreeJoint
@@ -179,7 +179,9 @@ def test_joints_of_the_same_motion() -> None:
 def test_weak_axes_are_offered_where_no_joint_is() -> None:
     """An axis from 0.3 is a comment, unless its two links are joined otherwise: there it is an alternative."""
     nodes = [part(f"block {n}", BLOCK, z=10.0 * n) for n in range(3)]
-    found = Inferred(survey(), [[1], [2, 3]], 0, [TreeJoint(hinge(0.9, 1, 2), 0, 1, is_closure=False)], [], [], {})
+    found = InferredMechanism(
+        survey(), [[1], [2, 3]], 0, [TreeJoint(hinge(0.9, 1, 2), 0, 1, is_closure=False)], [], [], {}
+    )
     aside = Axis(np.array([0.01, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
     weak = ((0.3, 2, 3), (0.29, 3, 2), (0.4, 1, 3))
     found.offered.extend(replace(hinge(score, a, b), axis=aside) for score, a, b in weak)

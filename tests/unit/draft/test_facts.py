@@ -3,7 +3,7 @@
 import pytest
 
 from stepbot.draft.answers import STATED, Facts, KnownJoint
-from stepbot.draft.inference import Inferred, infer_mechanism
+from stepbot.draft.inference import InferredMechanism, infer_mechanism
 from stepbot.robot.model import JointKind
 from tests.assembled import assembled, group, joints, links, part
 from tests.solids import box, cylinder
@@ -12,7 +12,7 @@ PLATE = box(200, 200, 10).at(0, 0, -5)
 """Its upper side is z = 0 [mm]."""
 
 
-def turntable(facts: Facts) -> Inferred:
+def turntable(facts: Facts) -> InferredMechanism:
     """A disc on a plate and a block on the disc, screwed or turning: the drawing does not show it."""
     assembly = assembled(part("plate", PLATE), part("disc", cylinder(50, 10)), part("block", box(40, 30, 20), z=20))
     return infer_mechanism(assembly, facts=facts)

@@ -9,7 +9,7 @@ from stepbot.draft import draft_robot
 from stepbot.draft.answers import Facts
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft_robot import infer
-from stepbot.draft.inference import Inferred, infer_from
+from stepbot.draft.inference import InferredMechanism, infer_from
 from tests.assembled import assembled, part
 from tests.made.kinds import ASIDE, ASIDE_BOUGHT, ASIDE_LATER, ASIDE_LATEST, KINDS, VARIED
 from tests.made.recorded import DRAFTED, draft_text, recorded
@@ -27,9 +27,9 @@ def test_joints_of_drawn_mechanisms_are_found(kind: str, seed: int, monkeypatch:
 
     After a change of a rule, `python -m tests.made --record` shows in the difference of `drafts.txt` what it changes.
     """
-    inferred: list[Inferred] = []
+    inferred: list[InferredMechanism] = []
 
-    def infer_once(survey: Survey, facts: Facts) -> Inferred:
+    def infer_once(survey: Survey, facts: Facts) -> InferredMechanism:
         inferred.append(infer_from(survey, facts))
         return inferred[-1]
 

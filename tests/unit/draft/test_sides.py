@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.draft.parts import scene
 from stepbot.draft.stops import sweeps
-from stepbot.draft.stops.sweeps import Placed, Sides, meeting
+from stepbot.draft.stops.sweeps import PlacedMeshes, Sides, meeting
 
 
 def scattered(seed: int, parts: int, *, slides: bool) -> Sides:
@@ -17,7 +17,7 @@ def scattered(seed: int, parts: int, *, slides: bool) -> Sides:
     corners = [random.uniform(-0.5, 0.5, (size, 1, 3)) + random.uniform(-0.1, 0.1, (size, 3, 3)) for size in sizes]
     faces = [np.arange(3 * size, dtype=np.int32).reshape(-1, 3) for size in sizes]
     vertices = [triangles.reshape(-1, 3) for triangles in corners]
-    return Placed(range(parts), vertices, faces, slides=slides).facing(1.0)
+    return PlacedMeshes(range(parts), vertices, faces, slides=slides).facing(1.0)
 
 
 def overlap(low: np.ndarray, high: np.ndarray, bounds: np.ndarray) -> bool:
@@ -68,9 +68,9 @@ def test_meeting_triangles_belong_to_one_pair_of_parts() -> None:
 @pytest.mark.parametrize("slides", [False, True])
 def test_parts_without_triangles_that_look_along(slides: bool) -> None:
     """No parts, and parts beyond reach, give no triangles."""
-    none = Placed([], [], [], slides=slides)
-    ours = Placed([3], [np.eye(3)], [np.array([[0, 1, 2]], dtype=np.int32)], slides=slides)
-    far = Placed([4], [np.eye(3) + 5.0], [np.array([[0, 1, 2]], dtype=np.int32)], slides=slides)
+    none = PlacedMeshes([], [], [], slides=slides)
+    ours = PlacedMeshes([3], [np.eye(3)], [np.array([[0, 1, 2]], dtype=np.int32)], slides=slides)
+    far = PlacedMeshes([4], [np.eye(3) + 5.0], [np.array([[0, 1, 2]], dtype=np.int32)], slides=slides)
     for others in (none, far):
         assert not ours.within_reach(others).facing(1.0).parts
         assert ours.facing(1.0).counts_near(others.within_reach(ours).facing(1.0)).size == 0

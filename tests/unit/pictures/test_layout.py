@@ -5,22 +5,22 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from stepbot.pictures.layout import Columns, Placed, Wanted, placed
+from stepbot.pictures.layout import Columns, LabelRequest, PlacedLabel, placed
 
 COLUMNS = Columns(left=200.0, right=1000.0, top=20.0, bottom=880.0, pitch=25.0)
 
 
-def random_labels(count: int, seed: int) -> list[Wanted]:
+def random_labels(count: int, seed: int) -> list[LabelRequest]:
     """Labels with anchors anywhere between the columns."""
     x, y = np.random.default_rng(seed).uniform((220, 40), (980, 860), (count, 2)).T
-    return [Wanted(f"label {i}", (float(a), float(b))) for i, (a, b) in enumerate(zip(x, y, strict=True))]
+    return [LabelRequest(f"label {i}", (float(a), float(b))) for i, (a, b) in enumerate(zip(x, y, strict=True))]
 
 
-def crossing(a: Placed, b: Placed) -> bool:
+def crossing(a: PlacedLabel, b: PlacedLabel) -> bool:
     """Whether the leader lines of two labels of one column cross: both ends of each are on two sides of the other."""
     x = COLUMNS.left if a.on_left else COLUMNS.right
 
-    def side(p: Placed, q: tuple[float, float]) -> float:
+    def side(p: PlacedLabel, q: tuple[float, float]) -> float:
         (ax, ay), (bx, by) = (x, p.y), p.label.anchor
         return (bx - ax) * (q[1] - ay) - (by - ay) * (q[0] - ax)
 
@@ -43,7 +43,7 @@ def test_labels_neither_overlap_nor_cross(count: int, seed: int) -> None:
 
 def test_a_label_with_room_is_level_with_its_anchor() -> None:
     """Leader lines are horizontal unless labels are in each other's way."""
-    labels = [Wanted("a", (300.0, 100.0)), Wanted("b", (400.0, 400.0)), Wanted("c", (900.0, 300.0))]
+    labels = [LabelRequest("a", (300.0, 100.0)), LabelRequest("b", (400.0, 400.0)), LabelRequest("c", (900.0, 300.0))]
     assert {one.label.text: (one.on_left, one.y) for one in placed(labels, COLUMNS)} == {
         "a": (True, 100.0),
         "b": (True, 400.0),
@@ -53,7 +53,9 @@ def test_a_label_with_room_is_level_with_its_anchor() -> None:
 
 def test_labels_that_collide_share_the_displacement() -> None:
     """Two anchors of equal height: one label goes up, one goes down, by half the pitch."""
-    found = placed([Wanted("a", (300.0, 100.0)), Wanted("b", (310.0, 100.0))], Columns(200, 9000, 20, 880, 25))
+    found = placed(
+        [LabelRequest("a", (300.0, 100.0)), LabelRequest("b", (310.0, 100.0))], Columns(200, 9000, 20, 880, 25)
+    )
     assert sorted(one.y for one in found) == [87.5, 112.5]
 
 

@@ -3,13 +3,13 @@
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.robot.model import Sphere
 from stepbot.serving.axis_questions import Contacts
 from stepbot.serving.local_server import Refused
 from tests.unit.verification.test_self_collision import robot
 
-APART, NEAR = (Shown(Diagnostics(), robot=robot(Sphere(0.5), Sphere(0.5), x)) for x in (1.5, 0.9))
+APART, NEAR = (ShownScene(Diagnostics(), robot=robot(Sphere(0.5), Sphere(0.5), x)) for x in (1.5, 0.9))
 
 
 def test_the_robot_that_is_shown_is_compared() -> None:

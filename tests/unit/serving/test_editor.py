@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.serving import editor as editing
 from stepbot.serving.editor import Editor
 from stepbot.serving.local_server import Refused
@@ -26,9 +26,9 @@ def sidecar(tmp_path: Path) -> Path:
     return path
 
 
-def passed(path: Path, text: str, options: Options) -> Shown:
+def passed(path: Path, text: str, options: Options) -> ShownScene:
     """What a check without errors returns."""
-    return Shown(Diagnostics())
+    return ShownScene(Diagnostics())
 
 
 def opened(path: Path, monkeypatch: pytest.MonkeyPatch) -> Editor:
@@ -42,7 +42,7 @@ def test_save_during_a_check_is_kept(sidecar: Path, monkeypatch: pytest.MonkeyPa
     editor = opened(sidecar, monkeypatch)
     saved = TEXT + "# saved by an editor\n"
 
-    def saves_meanwhile(path: Path, text: str, options: Options) -> Shown:
+    def saves_meanwhile(path: Path, text: str, options: Options) -> ShownScene:
         sidecar.write_text(saved, encoding="utf-8")
         return passed(path, text, options)
 

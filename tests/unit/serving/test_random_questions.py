@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
-from stepbot.pipeline.scenes import Shown
+from stepbot.pipeline.scenes import ShownScene
 from stepbot.runtime.cache import Cache
 from stepbot.serving import editor
 from stepbot.serving.local_server import Refused
@@ -56,7 +56,7 @@ def session(robot_library: Path, tmp_path_factory: pytest.TempPathFactory) -> It
     )
     shown = session.load()
 
-    def passed(path: Path, text: str, options: Options) -> Shown:
+    def passed(path: Path, text: str, options: Options) -> ShownScene:
         return shown
 
     with pytest.MonkeyPatch.context() as patch:

@@ -11,7 +11,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import show_text
 from stepbot.runtime.cache import Cache
-from stepbot.serving.decisions import Edited, decisions, written
+from stepbot.serving.decisions import EditedSidecar, decisions, written
 from stepbot.serving.edits import changes_of
 from stepbot.serving.local_server import Refused
 from stepbot.sidecar.editing import CannotEdit, edited
@@ -189,7 +189,7 @@ def test_what_is_left_to_decide() -> None:
         ("review", [["defaults"]]),
         ("finding", [["links", "hand"]]),
     ]
-    shown = written(Edited(sidecar, sidecar.root), scene)
+    shown = written(EditedSidecar(sidecar, sidecar.root), scene)
     assert [first for keys, first, _ in shown["places"] if keys == ["joints", "elbow"]] == [16]
     assert shown["data"]["joints"]["elbow"]["limits"] == "todo"
 

@@ -15,7 +15,7 @@ from stepbot.robot.motors import Motor
 from stepbot.sidecar.load import load_sidecar
 from stepbot.sidecar.motors import (
     AmbiguousMotor,
-    Found,
+    NamedMotor,
     UnknownMotor,
     UnscalableMotor,
     bare,
@@ -155,7 +155,7 @@ def test_figures_of_other_sources_are_never_used() -> None:
     for name in catalogue_names():
         motor = catalogue_motor(name)
         kind = JointKind.PRISMATIC if motor.max_force is not None else JointKind.REVOLUTE
-        given = {one.quantity for one in fitted(Found(name, motor), kind, None, 1.0).figures}
+        given = {one.quantity for one in fitted(NamedMotor(name, motor), kind, None, 1.0).figures}
         assert ("friction" in given) == (motor.coulomb_friction is not None)
         assert ("kp" in given) == (motor.position_gain is not None)
         assert ("mass" in given) == (motor.mass is not None)
@@ -188,7 +188,7 @@ def test_motors_that_do_not_reach_their_speed() -> None:
         motor = catalogue_motor(name)
         kind = JointKind.PRISMATIC if motor.max_force is not None else JointKind.REVOLUTE
         for gear in (1.0, 7.0):
-            doubts = fitted(Found(name, motor), kind, None, gear).doubts
+            doubts = fitted(NamedMotor(name, motor), kind, None, gear).doubts
             slow[name, gear] = [one.rpartition(" %")[0].rpartition(" ")[2] for one in doubts if "reachable" in one]
     found = {key: share for key, (share, *_) in ((key, one) for key, one in slow.items() if one)}
     names = {"STS3215-7.4V": "56", "2XL430-W250": "81", "2XC430-W250": "86"}
@@ -202,7 +202,9 @@ def test_a_gear_keeps_power_and_energy(name: str, gear: float, turned: bool) -> 
     """A gear keeps power and energy."""
     motor = catalogue_motor(name)
     kind = JointKind.PRISMATIC if motor.max_force is not None else JointKind.REVOLUTE
-    one, geared = (values(fitted(Found(name, motor), kind, None, ratio)) for ratio in (1.0, -gear if turned else gear))
+    one, geared = (
+        values(fitted(NamedMotor(name, motor), kind, None, ratio)) for ratio in (1.0, -gear if turned else gear)
+    )
     assert one.keys() == geared.keys()
     if {"effort", "velocity"} <= one.keys():
         assert geared["effort"] * geared["velocity"] == pytest.approx(one["effort"] * one["velocity"])

@@ -14,7 +14,7 @@ from stepbot.draft.from_description.lines import ON_LINE
 from stepbot.draft.from_description.placement import Placement
 from stepbot.draft.from_description.skeleton import Skeleton
 from stepbot.draft.from_description.surfaces import ON_FACE, Surfaces, spread
-from stepbot.draft.inference import Inferred
+from stepbot.draft.inference import InferredMechanism
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import box_gap
@@ -51,7 +51,7 @@ class Assignment(Struct, eq=False):
 
 
 def assign(
-    described: Skeleton, placement: Placement, assembly: Assembly, inferred: Inferred, surfaces: Surfaces
+    described: Skeleton, placement: Placement, assembly: Assembly, inferred: InferredMechanism, surfaces: Surfaces
 ) -> Assignment:
     """Assign every component with a body to a described link."""
     return _Assigning(described, placement, assembly, inferred, surfaces).made()
@@ -59,7 +59,12 @@ def assign(
 
 class _Assigning:
     def __init__(
-        self, described: Skeleton, placement: Placement, assembly: Assembly, inferred: Inferred, surfaces: Surfaces
+        self,
+        described: Skeleton,
+        placement: Placement,
+        assembly: Assembly,
+        inferred: InferredMechanism,
+        surfaces: Surfaces,
     ) -> None:
         self._described, self._placement, self._inferred, self._surfaces = described, placement, inferred, surfaces
         self._parts = inferred.survey.parts

@@ -20,7 +20,7 @@ from stepbot.draft.stops.sweeps import (
     TOUCHING,
     TOUCHING_ANGLE,
     Indices,
-    Placed,
+    PlacedMeshes,
     Sides,
     meeting,
     radii_and_heights,
@@ -121,11 +121,13 @@ def _stops(question: Question, share: int) -> Stops:
     return Stops(tuple(stops), len(skipped))
 
 
-def _placed(question: Question, shapes: Sequence[Shape]) -> Placed:
+def _placed(question: Question, shapes: Sequence[Shape]) -> PlacedMeshes:
     """Parts in a frame whose z axis is that of the joint."""
     frame = perpendicular_frame(question.direction)
     vertices = [(shape.vertices - question.point) @ frame for shape in shapes]
-    return Placed([shape.part for shape in shapes], vertices, [shape.faces for shape in shapes], slides=question.slides)
+    return PlacedMeshes(
+        [shape.part for shape in shapes], vertices, [shape.faces for shape in shapes], slides=question.slides
+    )
 
 
 class _Sweep(Struct, frozen=True, eq=False):

@@ -184,7 +184,7 @@ _ALONG = 0.3
 """Cosine of the angle between normal and motion from which a face can stop it."""
 
 
-class Placed:
+class PlacedMeshes:
     """The meshes of the parts of a link."""
 
     def __init__(
@@ -212,15 +212,15 @@ class Placed:
         least, most = [nearest, low[:, 2]], [np.maximum.reduceat(radii, starts), high[:, 2]]
         return np.stack([np.stack(least, axis=1), np.stack(most, axis=1)], axis=1)
 
-    def within_reach(self, others: "Placed") -> "Placed":
+    def within_reach(self, others: "PlacedMeshes") -> "PlacedMeshes":
         """The parts that can meet one of the others, by their bounds."""
         if not self._parts or not others._parts:
-            return Placed([], [], [], slides=self._slides)
+            return PlacedMeshes([], [], [], slides=self._slides)
         a, b = self.bounds[:, None], others.bounds[None]
         apart = (a[:, :, 0] >= b[:, :, 1]) | (b[:, :, 0] >= a[:, :, 1])
         kept = np.flatnonzero(~(apart[:, :, 0] | apart[:, :, 1]).all(axis=1)).tolist()
         parts, vertices = [self._parts[k] for k in kept], [self._vertices[k] for k in kept]
-        return Placed(parts, vertices, [self._faces[k] for k in kept], slides=self._slides)
+        return PlacedMeshes(parts, vertices, [self._faces[k] for k in kept], slides=self._slides)
 
     def facing(self, sign: float) -> "Sides":
         """The triangles whose outside looks along the motion, or against it for a negative sign."""

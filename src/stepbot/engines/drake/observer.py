@@ -39,7 +39,7 @@ from ..urdf_versions import readable
 from ..xml import xml_root
 from . import ENGINE
 from .coordinates import pose
-from .plant import CHANGES, Built, axis_of, build
+from .plant import CHANGES, BuiltPlant, axis_of, build
 
 _NOT_TOLD = "pydrake does not report it"
 _EFFORTS = "Drake stores effort limits per actuator; they are compared as joint limits"
@@ -137,7 +137,7 @@ def _check_mjcf(path: Path) -> None:
         raise EngineCannotRead("Drake's models do not contain the world, to which a joint connects a body")
 
 
-def _static(built: Built, request: Request) -> Observation:
+def _static(built: BuiltPlant, request: Request) -> Observation:
     format_name = "sdf" if request.format == "drake.sdf" else request.format
     held = any(joint.child_body().index() == built.root.index() for joint in built.joints)
     moving = build(request, bare=True, exact=True) if built.rounded else built
@@ -157,7 +157,7 @@ def _static(built: Built, request: Request) -> Observation:
     )
 
 
-def _link(built: Built, body: Any) -> ObservedLink:
+def _link(built: BuiltPlant, body: Any) -> ObservedLink:
     spatial = body.default_spatial_inertia()
     mass = float(spatial.get_mass())
     inertia, com = np.zeros((3, 3)), np.zeros(3)
@@ -182,18 +182,18 @@ def _link(built: Built, body: Any) -> ObservedLink:
     )
 
 
-def _poses(built: Built, q: Mapping[str, float]) -> dict[str, Pose]:
+def _poses(built: BuiltPlant, q: Mapping[str, float]) -> dict[str, Pose]:
     built.place(q)
     X_RW = built.X_WB(built.root).inverse()
     return {body.name(): X_RW @ built.X_WB(body) for body in built.bodies}
 
 
-def _frames(built: Built) -> dict[str, tuple[str, Pose]]:
+def _frames(built: BuiltPlant) -> dict[str, tuple[str, Pose]]:
     frames = (built.plant.GetFrameByName(name) for name in built.frames)
     return {frame.name(): (frame.body().name(), pose(frame.GetFixedPoseInBodyFrame())) for frame in frames}
 
 
-def _dynamics(built: Built, q: Mapping[str, float], rates: Rates) -> Dynamics:
+def _dynamics(built: BuiltPlant, q: Mapping[str, float], rates: Rates) -> Dynamics:
     """Mass matrix, gravity forces and inverse dynamics in the coordinates."""
     from pydrake.multibody.tree import MultibodyForces
 
@@ -212,7 +212,7 @@ _MEASURED = (".obj", ".vtk", ".gltf")
 """Suffixes of meshes that Drake makes hulls of."""
 
 
-def bounds_of(built: Built, geometry: Any) -> Bounds | None:
+def bounds_of(built: BuiltPlant, geometry: Any) -> Bounds | None:
     """Bounding box [m] of a shape in its link's frame; of meshes that Drake only displays, from the file."""
     inspector = built.scene.model_inspector()
     X_LG, shape = pose(inspector.GetPoseInFrame(geometry)), inspector.GetShape(geometry)
@@ -227,7 +227,7 @@ def bounds_of(built: Built, geometry: Any) -> Bounds | None:
     return _primitive_bounds(shape, X_LG)
 
 
-def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
+def observed_shape(built: BuiltPlant, geometry: Any, *, seen: bool) -> ObservedShape:
     """Name of a shape; colours of a visual, friction of a collision."""
     inspector = built.scene.model_inspector()
     given = inspector.GetName(geometry).removeprefix(f"{built.name}::")
@@ -239,7 +239,7 @@ def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
     return ObservedShape(name, _color(properties, "diffuse"), _color(properties, "ambient") if shaded else None)
 
 
-def _surface(built: Built, geometry: Any) -> Surface | None:
+def _surface(built: BuiltPlant, geometry: Any) -> Surface | None:
     """Friction of a collision; Drake reads that of SDFormat, and of URDF only its own."""
     properties = built.scene.model_inspector().GetProximityProperties(geometry)
     if not built.request.format.endswith("sdf") or not properties.HasProperty("material", "coulomb_friction"):
@@ -285,20 +285,20 @@ _NO_LIMIT = 1e15
 """Limits beyond this are SDFormat's value for unlimited, 1e16."""
 
 
-def _joints(built: Built) -> tuple[ObservedJoint, ...]:
+def _joints(built: BuiltPlant) -> tuple[ObservedJoint, ...]:
     """The joint above each link; a joint of the root to the world means that the base is fixed."""
     drives, springs = _drives(built), _springs(built)
     inside = [joint for joint in built.joints if joint.parent_body().name() != "world"]
     return tuple(_joint(built, joint, drives, springs) for joint in inside)
 
 
-def _drives(built: Built) -> dict[str, float]:
+def _drives(built: BuiltPlant) -> dict[str, float]:
     """Effort limit of every joint that has an actuator."""
     actuators = [built.plant.get_joint_actuator(index) for index in built.plant.GetJointActuatorIndices()]
     return {actuator.joint().name(): float(actuator.effort_limit()) for actuator in actuators}
 
 
-def _springs(built: Built) -> dict[str, tuple[float, float]]:
+def _springs(built: BuiltPlant) -> dict[str, tuple[float, float]]:
     """Stiffness and rest position of every joint that has a spring."""
     from pydrake.multibody.tree import ForceElementIndex, PrismaticSpring, RevoluteSpring
 
@@ -316,7 +316,7 @@ def _springs(built: Built) -> dict[str, tuple[float, float]]:
 
 
 def _joint(
-    built: Built, joint: Any, drives: dict[str, float], springs: dict[str, tuple[float, float]]
+    built: BuiltPlant, joint: Any, drives: dict[str, float], springs: dict[str, tuple[float, float]]
 ) -> ObservedJoint:
     name, kind = joint.name(), _KINDS.get(joint.type_name(), joint.type_name())
     parent, child = joint.parent_body().name(), joint.child_body().name()
@@ -352,7 +352,7 @@ def _joint(
     )
 
 
-def _limit_fields(built: Built, kind: str, driven: bool) -> tuple[str, ...]:
+def _limit_fields(built: BuiltPlant, kind: str, driven: bool) -> tuple[str, ...]:
     """Effort limits from actuators, where Drake keeps them: one per joint of SDFormat and per transmission of URDF."""
     if kind == "universal":
         return ("lower", "upper")
@@ -362,7 +362,7 @@ def _limit_fields(built: Built, kind: str, driven: bool) -> tuple[str, ...]:
     return ("lower", "upper", "velocity", *(("effort",) if sdf or (driven and built.request.format == "urdf") else ()))
 
 
-def _axes(built: Built, joint: Any, kind: str) -> tuple[Array, Array | None]:
+def _axes(built: BuiltPlant, joint: Any, kind: str) -> tuple[Array, Array | None]:
     """Axes in the child's frame; Drake turns about x and y of a universal joint's own frame."""
     R_CM: Array = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
     if kind == "universal":

@@ -31,7 +31,7 @@ where the first component is 1 to within 2.2e-16, and the second thus up to 1.8e
 _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
 
 
-class Built(Struct, frozen=True, eq=False, dict=True):
+class BuiltPlant(Struct, frozen=True, eq=False, dict=True):
     """A plant, the geometry of its links, and a state."""
 
     plant: Any
@@ -87,7 +87,7 @@ class Built(Struct, frozen=True, eq=False, dict=True):
 
 def build(
     request: Request, gravity: tuple[float, float, float] = GRAVITY, *, bare: bool = False, exact: bool = False
-) -> Built:
+) -> BuiltPlant:
     """The plant of a file; the root is fixed unless it may float.
 
     Args:
@@ -143,7 +143,7 @@ def build(
     context = plant.GetMyMutableContextFromRoot(whole)
     for index in plant.GetJointActuatorIndices():  # armature is compared separately, if the engine reports it
         plant.get_joint_actuator(index).SetRotorInertia(context, 0.0)
-    return Built(plant, scene, diagram, whole, context, root, request, _frame_names(plant), name, names)
+    return BuiltPlant(plant, scene, diagram, whole, context, root, request, _frame_names(plant), name, names)
 
 
 def _packages(path: Path) -> dict[str, Path]:
@@ -266,7 +266,7 @@ MOST_STEPS = 4000
 """Next to a dead centre each step takes a hundredth of what is left, elsewhere a half and more."""
 
 
-def simulate(built: Built, request: Request) -> bool:
+def simulate(built: BuiltPlant, request: Request) -> bool:
     """Simulate from the initial pose, without actuation; returns whether all values stayed finite."""
     from pydrake.systems.analysis import Simulator
 
@@ -281,7 +281,7 @@ def simulate(built: Built, request: Request) -> bool:
     return bool(np.isfinite(built.plant.GetPositionsAndVelocities(context)).all())
 
 
-def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
+def closures_in(_built: BuiltPlant, request: Request) -> tuple[ObservedClosure, ...]:
     """How well Drake's constraints close each loop of the reference.
 
     Drake starts near each closed configuration, without gravity and springs, with the driven joints locked, and its
@@ -310,7 +310,7 @@ def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
     )
 
 
-def _back_at(built: Built, request: Request, q: Mapping[str, float]) -> float:
+def _back_at(built: BuiltPlant, request: Request, q: Mapping[str, float]) -> float:
     """The least distance [rad] or [m] from a solution at which Drake's solver comes to rest next to it."""
     distances: list[float] = []
     for nudge in NUDGES:
@@ -323,7 +323,7 @@ def _back_at(built: Built, request: Request, q: Mapping[str, float]) -> float:
     return min(distances)
 
 
-def _closed(built: Built, request: Request, q: Mapping[str, float], nudge: float) -> dict[str, float]:
+def _closed(built: BuiltPlant, request: Request, q: Mapping[str, float], nudge: float) -> dict[str, float]:
     """The coordinates at which Drake's solver comes to rest."""
     plant, context = built.plant, built.context
     # Drake reads no mimics of SDFormat: the followers of a driven joint are locked with it.

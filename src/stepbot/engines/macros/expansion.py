@@ -16,7 +16,7 @@ from stepbot.diagnostics import Span
 from stepbot.runtime.file import is_file, is_folder, open_regular, resolved
 
 from ..source_copy import locate
-from .expressions import REMOVED, Expanded, evaluate
+from .expressions import REMOVED, Expansion, evaluate
 
 _PLACE = "place"
 _MANIFEST = "package.xml"
@@ -25,7 +25,7 @@ _BARRED = ("subprocess.", "os.system", "os.exec", "os.posix_spawn", "os.spawn", 
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 
 
-def expand(file: str, arguments: Mapping[str, str], packages: tuple[Path, ...]) -> Expanded:
+def expand(file: str, arguments: Mapping[str, str], packages: tuple[Path, ...]) -> Expansion:
     """Expand a xacro.
 
     Args:
@@ -78,7 +78,7 @@ class _Expansion:
         self._failed: tuple[Span, tuple[Span, ...]] | None = None
         self._arguments: dict[str, None] = {}
 
-    def run(self, arguments: dict[str, str]) -> Expanded:
+    def run(self, arguments: dict[str, str]) -> Expansion:
         self._replace()
         _bar()
         try:
@@ -94,11 +94,11 @@ class _Expansion:
         text, places = _written(document, str(self._file))
         top = etree.fromstring(text, etree.XMLParser(resolve_entities=False, no_network=True))
         locate(top, self._file, self._packages.searched)
-        return Expanded(etree.tostring(top), places, self._read(), tuple(self._arguments))
+        return Expansion(etree.tostring(top), places, self._read(), tuple(self._arguments))
 
-    def _error(self, text: str) -> Expanded:
+    def _error(self, text: str) -> Expansion:
         at, calls = self._failed or (self._at, tuple(reversed(self._calls)))
-        return Expanded(b"", (), self._read(), tuple(self._arguments), text, at, calls)
+        return Expansion(b"", (), self._read(), tuple(self._arguments), text, at, calls)
 
     def _read(self) -> tuple[Path, ...]:
         return tuple(dict.fromkeys(Path(name) for name in self._xacro.all_includes))

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from stepbot.diagnostics import Span
 
 
-class Expanded(NamedTuple):
+class Expansion(NamedTuple):
     """What a xacro expands to, or why it does not."""
 
     text: bytes

@@ -38,7 +38,7 @@ _MOST_POINTS = 2_000
 _DECIMALS = 6
 
 
-class Unscored(Struct, frozen=True, eq=False):
+class UnscoredSolids(Struct, frozen=True, eq=False):
     """Solids and their collision shapes, all in A."""
 
     solids: tuple[PlacedSolid, ...]
@@ -59,12 +59,12 @@ class CollisionScore(Struct, frozen=True):
 NO_SCORE = CollisionScore()
 
 
-def collision_scores(unscored: Sequence[Unscored]) -> tuple[CollisionScore, ...]:
+def collision_scores(unscored: Sequence[UnscoredSolids]) -> tuple[CollisionScore, ...]:
     """The score of each."""
     return tuple(map(collision_score, unscored))
 
 
-def collision_score(unscored: Unscored, encloses: bool = False) -> CollisionScore:
+def collision_score(unscored: UnscoredSolids, encloses: bool = False) -> CollisionScore:
     """The score of the shapes of a link.
 
     Args:

@@ -19,7 +19,7 @@ from stepbot.geometry.spatial import Array, cross, dot, matrix_product
 from stepbot.runtime.parallel import results_of
 
 from ..spatial import IDENTITY
-from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
+from .collision_scores import NO_SCORE, CollisionScore, UnscoredSolids, collision_score
 from .convex_pieces import convex_pieces, main_axes
 from .manifolds import convex_hull, hull_faces, hull_volume, inscribed, mesh_arrays, use_one_thread
 from .primitive_fits import PrimitiveFits, RoundFace
@@ -132,7 +132,7 @@ FEW, CLOSE = 0.9, 0.95
 """Share of the total volume of its shapes that a solid has to fill: for few shapes, and for close ones."""
 
 
-class Wanted(Struct, frozen=True, eq=False):
+class CollisionRequest(Struct, frozen=True, eq=False):
     """Solids that get one set of shapes, all in A."""
 
     solids: tuple[PlacedSolid, ...]
@@ -170,7 +170,7 @@ class CollisionSet(Struct, frozen=True, eq=False):
     """Number of these shapes and hulls."""
 
 
-def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
+def collision_sets(all_wanted: Sequence[CollisionRequest]) -> tuple[CollisionSet, ...]:
     """The shapes of each, with their scores; the same for the same input, whatever the number of processes and threads.
 
     Raises:
@@ -179,7 +179,7 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
     weights = [sum(len(solid.mesh.faces) for solid in wanted.solids) for wanted in all_wanted]
     here = os.getpid()
 
-    def made(wanted: Wanted) -> CollisionSet:
+    def made(wanted: CollisionRequest) -> CollisionSet:
         if os.getpid() != here:  # others like this one use the other cores
             use_one_thread()
         return _scored_set(wanted)
@@ -187,7 +187,7 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
     return tuple(results_of(made, all_wanted, weights, "collision shapes"))
 
 
-def _scored_set(wanted: Wanted) -> CollisionSet:
+def _scored_set(wanted: CollisionRequest) -> CollisionSet:
     solid = union(wanted.solids)
     if solid.manifold is None:
         return CollisionSet((), left_out=solid.left_out)
@@ -197,11 +197,11 @@ def _scored_set(wanted: Wanted) -> CollisionSet:
         return made
     beside = [one for i, one in enumerate(wanted.beside) if i not in made.enclosed]
     shapes = (*made.shapes, *_hulls(beside, wanted))
-    score = collision_score(Unscored(wanted.solids, wanted.missing, shapes), encloses)
+    score = collision_score(UnscoredSolids(wanted.solids, wanted.missing, shapes), encloses)
     return replace(made, score=score, scored=len(shapes))
 
 
-def _hulls(meshes: Sequence[PlacedSolid], wanted: Wanted) -> Iterator[PlacedShape]:
+def _hulls(meshes: Sequence[PlacedSolid], wanted: CollisionRequest) -> Iterator[PlacedShape]:
     """The hull of each mesh that is not too flat for one."""
     for mesh in meshes:
         hull = convex_hull(mesh.mesh.vertices)
@@ -209,7 +209,7 @@ def _hulls(meshes: Sequence[PlacedSolid], wanted: Wanted) -> Iterator[PlacedShap
             yield PlacedShape(bounded_hull(hull, wanted.max_vertices, wanted.max_faces), mesh.X_AC)
 
 
-def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:
+def _collision_set(wanted: CollisionRequest, solid: Union) -> tuple[CollisionSet, bool]:
     """The shapes, and whether they enclose the whole solid: not if a piece is too flat for a hull."""
     axes = main_axes(*face_normals(*solid.arrays)[:2])
     fits = PrimitiveFits(axes, wanted.shafts, cylinders=wanted.max_faces is None)
@@ -225,7 +225,7 @@ def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:
     return CollisionSet(fitted, filled, solid.left_out), len(fitted) == len(pieces)
 
 
-def _piece(points: Array, wanted: Wanted, fits: PrimitiveFits) -> PlacedShape | None:
+def _piece(points: Array, wanted: CollisionRequest, fits: PrimitiveFits) -> PlacedShape | None:
     """The shape of a convex piece; None if it is too flat for a hull."""
     hull = convex_hull(points)
     if hull is None:

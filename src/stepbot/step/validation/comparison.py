@@ -15,7 +15,7 @@ from stepbot.geometry.spatial import Array
 from stepbot.step.structure.source import NONE, Definition
 
 from ..assembly import Body, BodyKind, Component, Quantity, Validation
-from .properties import Stated, Subject
+from .properties import StatedValue, Subject
 
 TOLERANCES = {Quantity.VOLUME: 1e-3, Quantity.AREA: 1e-2, Quantity.CENTROID: 1e-3}
 """Deviation from a validation property up to which a value counts as equal. CAD programs integrate areas coarsely: in
@@ -43,7 +43,7 @@ class _Sums(Struct, frozen=True):
 
 
 def compare(
-    stated: Sequence[Stated],
+    stated: Sequence[StatedValue],
     definitions: Sequence[Definition],
     components: Sequence[Component],
     bodies: Mapping[tuple[int, int], Body],
@@ -114,7 +114,7 @@ def _total(parts: Sequence[_Sums]) -> _Sums:
     return _Sums(volume, exact_sum(p.area for p in parts), centroid, spread, all(part.is_exact for part in parts))
 
 
-def _validation(component: int, statement: Stated, read: _Sums) -> Validation:
+def _validation(component: int, statement: StatedValue, read: _Sums) -> Validation:
     stated, tolerance = statement.value, TOLERANCES[statement.quantity]
     if statement.quantity is Quantity.CENTROID:
         center = (float(read.centroid[0]), float(read.centroid[1]), float(read.centroid[2]))

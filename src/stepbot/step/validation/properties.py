@@ -121,7 +121,7 @@ _OF_ELEMENTS = ("curve", "independent", "point set")
 """Words in the names of values of loose curves, surfaces and points, not of solids."""
 
 
-class Stated(Struct, frozen=True):
+class StatedValue(Struct, frozen=True):
     """A value that the file states."""
 
     subject: Subject | None

@@ -91,7 +91,7 @@ _FINEST = 2**-13
 """Smallest cell, relative to the largest mesh."""
 
 
-class Reduced(Struct, frozen=True, eq=False):
+class ReducedRobot(Struct, frozen=True, eq=False):
     """A robot to display."""
 
     robot: Robot
@@ -102,7 +102,7 @@ class Reduced(Struct, frozen=True, eq=False):
     displayed: int
 
 
-def reduced(robot: Robot, budget: int = BUDGET) -> Reduced:
+def reduced(robot: Robot, budget: int = BUDGET) -> ReducedRobot:
     """The robot with meshes that fit a page; unchanged ones if they do."""
     meshes = [asset.mesh for asset in robot.meshes]
     faces = sum(len(mesh.faces) for mesh in meshes)
@@ -115,7 +115,7 @@ def reduced(robot: Robot, budget: int = BUDGET) -> Reduced:
     rounding = max((0.5 * mesh.diagonal / STEPS for mesh in displayed), default=0.0)
     assets = tuple(replace(asset, mesh=mesh) for asset, mesh in zip(robot.meshes, displayed, strict=True))
     shown = sum(len(mesh.faces) for mesh in displayed)
-    return Reduced(replace(robot, meshes=assets), deviation + rounding, faces, shown)
+    return ReducedRobot(replace(robot, meshes=assets), deviation + rounding, faces, shown)
 
 
 def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
@@ -213,7 +213,7 @@ def _summary(robot: Robot, report: Report, diagnostics: Sequence[Diagnostic]) ->
     return element("section", element("div.tiles", cells), element("nav.ways", ways), id="summary")
 
 
-def _mesh_words(shown: Reduced) -> str:
+def _mesh_words(shown: ReducedRobot) -> str:
     """How the displayed meshes differ from those in the files."""
     bound = f"{1e3 * shown.deviation:.2g} mm"
     if shown.displayed == shown.faces:

@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere
-from stepbot.geometry.solids.collision_scores import CollisionScore, Unscored, collision_scores
+from stepbot.geometry.solids.collision_scores import CollisionScore, UnscoredSolids, collision_scores
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Pose
@@ -22,7 +22,7 @@ def _box(x: float, y: float, z: float, at: tuple[float, float, float] = (0, 0, 0
 
 
 def _score(solids: tuple[PlacedSolid, ...], *shapes: PlacedShape, missing: float = 0.0) -> CollisionScore:
-    (score,) = collision_scores([Unscored(solids, missing, shapes)])
+    (score,) = collision_scores([UnscoredSolids(solids, missing, shapes)])
     return score
 
 

@@ -12,8 +12,8 @@ from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere
-from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, bounded_hull, collision_sets
+from stepbot.geometry.solids.collision_scores import UnscoredSolids, collision_scores
+from stepbot.geometry.solids.collision_sets import CollisionRequest, CollisionSet, bounded_hull, collision_sets
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.solids.primitive_fits import RoundFace
 from stepbot.geometry.solids.unions import PlacedSolid
@@ -36,7 +36,7 @@ def _of(
     max_hulls: int = 16,
     max_vertices: int = 64,
 ) -> CollisionSet:
-    (made,) = collision_sets([Wanted(solids, missing, shafts, (), primitives, 0.95, max_hulls, max_vertices)])
+    (made,) = collision_sets([CollisionRequest(solids, missing, shafts, (), primitives, 0.95, max_hulls, max_vertices)])
     return made
 
 
@@ -172,7 +172,7 @@ def test_hulls_beside_a_set_are_scored_with_it() -> None:
     """A cube, and 2 m apart the hull of an open one: half of the shapes is solid. With further shapes, no score."""
     cube, beside = _box(1, 1, 1), _box(1, 1, 1, (3, 0, 0))
     open_cube = PlacedSolid(TriMesh.of(beside.mesh.vertices, beside.mesh.faces[:-1]), beside.X_AC)
-    wanted = Wanted((cube,), 0.0, (), (), True, 0.95, 16, 64, (open_cube,))
+    wanted = CollisionRequest((cube,), 0.0, (), (), True, 0.95, 16, 64, (open_cube,))
     made, alone, unknown = collision_sets([wanted, replace(wanted, beside=()), replace(wanted, is_whole=False)])
     assert (made.score.iou, made.scored) == (pytest.approx(0.5, abs=1e-6), 2)
     assert made.score.overshoot == pytest.approx(3.0, abs=4e-3 * 3.0**0.5)
@@ -185,7 +185,7 @@ def test_enclosed_meshes_get_no_hull() -> None:
     """An open cube inside a cube gets no hull, whether the link has further shapes or not; one beside it does."""
     open_cube = TriMesh.of(CORNERS, BOX_FACES[:-1])
     beside = (PlacedSolid(open_cube, Pose.of(position=(3, 0, 0))), PlacedSolid(open_cube, IDENTITY))
-    wanted = Wanted((_box(2, 2, 2),), 0.0, (), (), True, 0.95, 16, 64, beside)
+    wanted = CollisionRequest((_box(2, 2, 2),), 0.0, (), (), True, 0.95, 16, 64, beside)
     made, further = collision_sets([wanted, replace(wanted, is_whole=False)])
     assert made.enclosed == further.enclosed == (1,)
     assert (made.score.iou, made.scored) == (pytest.approx(8 / 9, abs=1e-6), 2)
@@ -195,11 +195,11 @@ def test_enclosed_meshes_get_no_hull() -> None:
 def test_sets_are_scored() -> None:
     """A set has the score that its shapes have on their own, and sets made together are those made alone."""
     solids = (_l_bracket(), (_box(0.1, 0.1, 0.1),))
-    wanted = [Wanted(of, 0.0, (), (), True, 0.95, 16, 64) for of in solids]
+    wanted = [CollisionRequest(of, 0.0, (), (), True, 0.95, 16, 64) for of in solids]
     made = collision_sets(wanted)
     assert [one.score for one in made] == [one.score for alone in wanted for one in collision_sets([alone])]
     assert tuple(one.score for one in made) == collision_scores(
-        [Unscored(of, 0.0, one.shapes) for of, one in zip(solids, made, strict=True)]
+        [UnscoredSolids(of, 0.0, one.shapes) for of, one in zip(solids, made, strict=True)]
     )
     assert made[0].score.iou == pytest.approx(1.0, abs=1e-5)
 
@@ -212,7 +212,7 @@ def test_score_of_shapes_that_enclose(primitives: bool) -> None:
     cap = manifold3d.Manifold.sphere(0.02, 64).translate((0.05, 0.0, 0.0))
     solids = (PlacedSolid(_mesh(ring + cap), _AWAY),)
     made = _of(*solids, primitives=primitives, max_vertices=16)
-    (measured,) = collision_scores([Unscored(solids, 0.0, made.shapes)])
+    (measured,) = collision_scores([UnscoredSolids(solids, 0.0, made.shapes)])
     assert measured.iou is not None
     assert 0.5 < measured.iou < 0.95
     # Primitives are prisms there, which do not enclose all of the solid.
