@@ -50,8 +50,8 @@ LIMIT = 25
 """Time limit [s] of kernel and engines that the commands get."""
 HANGS_AFTER = 6.0 * LIMIT
 """Seconds after which a command counts as hung: several engines may need their limit in turn."""
-LONGEST = 25.0
-"""Processor time limit [s] of the command's own process, without its workers."""
+LONGEST = 1.2 * LIMIT
+"""Processor time limit [s] of the command's own process, without its workers: it ends itself a little earlier."""
 LARGEST = 1 << 30
 """Memory limit [bytes] of the command's own process."""
 _ADDRESS_SPACE = 16 << 30

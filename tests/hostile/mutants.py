@@ -41,6 +41,8 @@ EXPERIMENT = Experiment(
         "a screw without pitch that turns without end raised an exception in the writer for Webots",
         "SDFormat whose moments of inertia are not finite raised an exception (SB414)",
         "SDFormat with a lidar whose scan is infinite raised an exception in `convert` and `verify` (SB823)",
+        "an effort limit near the smallest number raised an exception in computed gains and accelerations for MoveIt",
+        "a URDF of 2,000 links that no joint connects took minutes, in time that grew with the cube of their number",
         "a placement without its point, of a part that occurs many times in a STEP file, raised an exception",
     ),
 )

@@ -3,6 +3,7 @@
 import importlib.util
 import json
 from pathlib import Path
+from time import process_time
 from xml.etree import ElementTree as ET
 
 import mujoco
@@ -10,6 +11,8 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from stepbot.described.finding import Finding
+from stepbot.described.tree import tree_of
 from stepbot.engines.description.urdf import describe_urdf
 from stepbot.jobs.incremental import check, convert
 from stepbot.pipeline import writing
@@ -157,6 +160,22 @@ def test_a_second_root_is_a_stated_guess(tmp_path: Path) -> None:
     (one,) = (one for one in guessed.diagnostics if one.severity == "warning")
     assert one.code == "SB874:base"
     assert one.message.startswith("link 'two' is not connected to 'one'")
+
+
+@pytest.mark.slow
+def test_thousands_of_loose_links_are_fixed_in_seconds(tmp_path: Path) -> None:
+    """And those of cycles, which a joint of each is left out of."""
+    path = tmp_path / "heap.urdf"
+    joint = '<joint name="j{0}{1}" type="fixed"><parent link="{0}"/><child link="{1}"/></joint>'
+    links = "".join(f'<link name="{name}"/>' for name in ("a", "b", "c", *range(2000)))
+    cycle = joint.format("b", "c") + joint.format("c", "b")
+    path.write_text(f'<robot name="heap">{links}{cycle}</robot>', encoding="utf-8")
+    description, findings = describe_urdf(str(path)), list[Finding]()
+    began = process_time()
+    joints, _ = tree_of(description, findings)
+    assert process_time() - began < 2.0
+    assert [one.child for one in joints] == [*map(str, range(2000)), "b", "c"]
+    assert len(findings) == 2001
 
 
 @pytest.mark.slow

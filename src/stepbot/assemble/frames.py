@@ -354,8 +354,10 @@ class Frames:
         notes = []
         for miss in misses:
             tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
-            lines = (miss.line_a, miss.line_b)
-            sides = [f"{quoted(self._binder.path(line.components[0]))} ({radii_of(line)})" for line in lines]
+            sides = [
+                f"{quoted(self._binder.path(line.components[0]))} ({radii_of(line)})"
+                for line in (miss.line_a, miss.line_b)
+            ]
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
         snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
         remedies = [

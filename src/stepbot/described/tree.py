@@ -38,14 +38,14 @@ _UNLIMITED = (
 def tree_of(description: Description, findings: list[Finding]) -> tuple[list[Joint], dict[str, Link]]:
     """Joints from the root on, each parent before its children, and the links that stand between several joints."""
     seen = description.observation
-    names = [link.name for link in seen.links]
+    names = dict.fromkeys(link.name for link in seen.links)
     above: dict[str, list[ObservedJoint]] = {}
     for joint in seen.joints:
         if joint.child in names and joint.parent in names:
             above.setdefault(joint.child, []).append(joint)
         else:
             findings.append(Finding(UNSUPPORTED, f"joint '{joint.name}' between '{joint.parent}' and '{joint.child}'"))
-    root = next((name for name in names if name not in above), names[0])
+    root = next((name for name in names if name not in above), next(iter(names)))
     findings.extend(
         Finding(UNSUPPORTED, f"joint '{joint.name}' closes a cycle of links") for joint in above.pop(root, [])
     )
@@ -114,20 +114,22 @@ class _Tree:
 
     def grown(self, root: str) -> tuple[list[Joint], dict[str, Link]]:
         """All joints; links that none of them connects to the root are fixed to it."""
-        reached = [root]
-        while True:
-            for parent in reached:
+        reached = set[str]()
+        roots = (name for name in self._names if name not in self._above)
+        for top in (root, *roots, *self._names):  # those of the last are on cycles
+            if top in reached:
+                continue
+            if top != root:
+                self._join(root, top)
+                for joint in self._above.get(top, [])[:1]:
+                    self._below[joint.parent].remove(top)
+            grown = [top]
+            for parent in grown:
                 for child in self._below.pop(parent, []):
                     self._joints += self._chain(child)
-                    reached.append(child)
-            left = [name for name in self._names if name not in reached]
-            if not left:
-                return self._joints, self._extra
-            loose = next((name for name in left if name not in self._above), left[0])
-            self._join(root, loose)
-            reached.append(loose)
-            for children in self._below.values():
-                children[:] = [child for child in children if child != loose]
+                    grown.append(child)
+            reached.update(grown)
+        return self._joints, self._extra
 
     def _join(self, root: str, loose: str) -> None:
         """Fix the root of another tree to the root."""

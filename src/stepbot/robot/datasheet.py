@@ -265,7 +265,7 @@ def _rounded(value: float, noise: float = 1e-9) -> float:
 
 def _rounded_down(value: float) -> float:
     """The value to three digits, never more than it is."""
-    if value <= 0.0:
+    if value < 1e-9:  # the last decimal
         return 0.0
     unit = 10.0 ** (floor(log10(value)) - 2)
     return round(floor(value / unit * (1.0 + 1e-9)) * unit, 9)

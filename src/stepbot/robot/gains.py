@@ -96,6 +96,8 @@ _DIGITS = 4
 """Significant digits of gains, which do not depend on the last bits of the linear algebra below."""
 _ROUNDING = 1e-9
 """Share of the slope of a torque-speed line that is rounding: a motor's damping may be that slope."""
+_LEAST = 1e-30
+"""Effort [N m] or [N] below which a motor moves nothing in any time, so that nothing brakes it."""
 _CARRIED = 0.95
 """Largest share of the effort limit that a weight takes after a step: what is left still brakes."""
 _STEPS = 2000
@@ -248,7 +250,7 @@ def _tuned(
         effort = actuator_limit(actuator, joint).effort
         if effort <= weight:
             too_weak(actuator, effort, weight)
-        elif isfinite(effort) and inertia > 0.0:
+        elif isfinite(effort) and inertia > 0.0 and effort >= _LEAST:
             drawn, most = float(driven.inertia[index]), max(weight, _CARRIED * effort)
             first, up, down = (
                 min(max(round(float(one), _RESIDUE), -most), most) for one in driven.stepped[index].tolist()

@@ -12,6 +12,7 @@ from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Array, Pose, turn_inertia
 from stepbot.robot.closures import close_loops
+from stepbot.robot.datasheet import accelerations
 from stepbot.robot.gains import OVERSHOOT, SAG, SINKING, line_damping, tuned
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Link, Robot
@@ -251,6 +252,19 @@ def test_a_joint_between_equal_limits_brakes_nothing(effort: float) -> None:
     assert (found.kp, found.kv) == (motor.kp, motor.kv)
     assert found.tuning is not None
     assert not found.tuning.braked
+
+
+@pytest.mark.parametrize("effort", [5e-324, 1e-200])
+def test_an_effort_of_next_to_nothing_is_computed_with(effort: float) -> None:
+    """A motor of a joint without weight, whose effort limit is near the smallest number, brakes nothing."""
+    (joint,), (motor,) = one_link_arm().joints, one_link_arm().actuators
+    upright = replace(joint, axis=(0.0, 0.0, 1.0), limit=replace(joint.limit, effort=effort))
+    robot = replace(one_link_arm(), joints=(upright,), actuators=(replace(motor, limit=Limit(effort=effort)),))
+    (found,) = tuned(robot, fails).actuators
+    assert 0.0 < found.kp < inf
+    assert found.tuning is not None
+    assert not found.tuning.braked
+    assert accelerations(robot) == {"lift": 0.0}
 
 
 def test_followers_of_a_mimic_are_moved_too() -> None:

@@ -64,8 +64,8 @@ def excludes(top: Element, robot: Robot) -> None:
         (a, b)
         for i, a in enumerate(touching)
         for b in touching[i + 1 :]
-        if frozenset((a, b)) in close
-        and weld[a] != weld[b]
+        if weld[a] != weld[b]
+        and frozenset((a, b)) in close
         and (_WORLD in (weld[a], weld[b]) or frozenset((weld[a], weld[b])) not in left_out)
     ]
     if pairs:
