@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from stepbot.formats.urdf.srdf import srdf
-from stepbot.robot.model import Actuator, ActuatorKind, JointKind, Robot
+from stepbot.robot.model import Actuator, ActuatorKind, JointKind, Limit, Robot
 from tests.robots import tree, two_link_arm
 
 
@@ -26,6 +26,13 @@ def test_without_actuators_all_chains_are_planned() -> None:
     groups, passive = written(replace(two_link_arm(), actuators=()))
     assert len(groups) == 1
     assert not passive
+
+
+def test_a_single_jaw_at_the_end_is_a_gripper() -> None:
+    """By its name; the joints before it are the arm."""
+    first, second = two_link_arm().joints
+    robot = replace(two_link_arm(), joints=(first, replace(second, name="jaw", limit=Limit(0.0, 1.5))), actuators=())
+    assert written(robot)[0] == ["upper_arm", "upper_arm_gripper"]
 
 
 def test_joints_without_actuators_are_passive() -> None:

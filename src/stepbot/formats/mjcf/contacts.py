@@ -37,7 +37,7 @@ def surface(given: Surface, timestep: float) -> dict[str, Value]:
         stated = [default if value is None else value for value, default in zip(friction, _DEFAULT, strict=True)]
         count = max(i for i, value in enumerate(friction, start=1) if value is not None)
         attributes["friction"] = stated[:count]
-        attributes |= {"condim": (3, 4, 6)[count - 1]} if count > 1 else {}
+        attributes |= {"condim": (4, 6)[count - 2]} if count > 1 else {}
     if given.restitution is not None or given.softness is not None:
         ratio = 1.0 if given.restitution is None else damping_ratio(given.restitution)
         time = max(_CONTACT_TIME, 2.0 * timestep) if given.softness is None else given.softness
