@@ -10,7 +10,10 @@ from stepbot.step.structure.paths import quoted
 RIVALS = 5
 """Maximum number of other lines in a record."""
 _OFF_CENTRE = "a ball joint turns about the centre of its ball, and this is the middle of the faces on the line"
-CENTRE = ("give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it",)
+CENTRE = (
+    "give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it, "
+    "or `{center: PATH}` of a whole ball",
+)
 """Remedy for a ball joint without a stated centre."""
 
 

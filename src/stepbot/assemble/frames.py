@@ -361,7 +361,7 @@ class Frames:
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
         snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
         remedies = [
-            *self._other_parents(request),
+            *(CENTRE if request.is_ball else self._other_parents(request)),
             *(snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]),
         ]
         self._report_none(request, message, tuple(remedies), tuple(notes))

@@ -249,9 +249,18 @@ def test_the_centre_of_a_ball_on_a_line_is_doubted(tmp_path: Path, found: ReadDi
     (doubt,) = found
     words = "a ball joint turns about the centre of its ball, and this is the middle of the faces on the line"
     assert (doubt.code, doubt.message) == ("SB407", f"joint 'j': weak evidence for its axis: {words}")
-    assert doubt.help[0] == "give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it"
+    assert doubt.help[0].startswith("give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it")
     for chosen in ("{auto: true, offset: {xyz: [0, 0, 2 mm]}}", "{auto: true, radius: 5 mm}"):
         built(shop, tmp_path, _joint(chosen, "ball"))
+
+
+def test_a_ball_in_a_socket_has_no_line(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The remedy is where to take the centre from; cylinders elsewhere on the two links are no cause."""
+    shop = _two([axis((0, 0, 0), radius=5, length=4)], [axis((90, 0, 1), radius=5, length=4, bore=False)])
+    assert build(shop, tmp_path, _joint("auto", "ball"), found) is None
+    (error,) = found
+    assert error.code == "SB401"
+    assert error.help[0].endswith("or `{center: PATH}` of a whole ball")
 
 
 def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, found: ReadDiagnostics) -> None:
