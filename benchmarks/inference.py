@@ -125,10 +125,10 @@ def corpus_folder() -> Path | None:
 
 def read_for_inference(step: Path) -> Assembly:
     """Read with its faces; exits if it cannot be read."""
-    found = Diagnostics()
-    assembly = read_assembly(step, ReadOptions(tolerance=_COARSE, faces=True), found)
+    diagnostics = Diagnostics()
+    assembly = read_assembly(step, ReadOptions(tolerance=_COARSE, faces=True), diagnostics)
     if assembly is None:
-        raise SystemExit(f"{step}: {'; '.join(d.message for d in found)}")
+        raise SystemExit(f"{step}: {'; '.join(d.message for d in diagnostics)}")
     return assembly
 
 

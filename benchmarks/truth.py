@@ -48,12 +48,12 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
     Raises:
         ValueError: The sidecar does not fit the assembly; the message has the findings.
     """
-    found = Diagnostics()
-    sidecar = load_sidecar(path, found)
+    diagnostics = Diagnostics()
+    sidecar = load_sidecar(path, diagnostics)
     if sidecar is None:
-        raise ValueError("; ".join(d.message for d in found))
-    check_sidecar(sidecar, found)
-    binder = Binder(assembly, sidecar, found)
+        raise ValueError("; ".join(d.message for d in diagnostics))
+    check_sidecar(sidecar, diagnostics)
+    binder = Binder(assembly, sidecar, diagnostics)
     document = binder.document
     root, _ = tree_order(document)
     claims = claim(binder, assign_materials(binder))
@@ -63,7 +63,7 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
     for name, joint in document.joints.items():
         X = frames.joint(name)
         if X is None:
-            raise ValueError("; ".join(d.message for d in found))
+            raise ValueError("; ".join(d.message for d in diagnostics))
         axis2 = getattr(joint, "axis2", None)
         second = X.turn(axis2) if axis2 is not None else None
         axis = X.turn(getattr(joint, "axis", (0.0, 0.0, 1.0)))
@@ -73,7 +73,7 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
             closure.origin, OriginRequest(("closures", name, "origin"), (closure.link_a, closure.link_b))
         )
         if X is None:
-            raise ValueError("; ".join(d.message for d in found))
+            raise ValueError("; ".join(d.message for d in diagnostics))
         axis = X.turn(closure.axis)
         joints.append(TrueJoint(name, closure.type, closure.link_a, closure.link_b, X.p, axis, is_closure=True))
     return _simplified(parts, joints, root)

@@ -31,9 +31,9 @@ def driven(folder: Path, output: Path) -> "tuple[Diagnostics, Driven | None]":
     from stepbot.pipeline.driving import DriveOptions, drive
     from stepbot.pipeline.stages import Options
 
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     chosen = DriveOptions(engines=tuple(ENGINES), limits=folder / _LIMITS)
-    return found, drive(output, Options(output, timeout=_SECONDS), chosen, found)
+    return diagnostics, drive(output, Options(output, timeout=_SECONDS), chosen, diagnostics)
 
 
 def section(driven: "Driven") -> list[str]:

@@ -89,10 +89,10 @@ def robot_subject_of(folder: Path) -> Subject:
     with TemporaryDirectory() as place:
         finer = Path(place) / sidecar.name
         finer.write_text(text if "\nmesh:" in text else f"{text}\n{_MESH}\n", encoding="utf-8")
-        found = Diagnostics()
-        robot = robot_to_draw(finer, Options(Path(place), step=step), found)
+        diagnostics = Diagnostics()
+        robot = robot_to_draw(finer, Options(Path(place), step=step), diagnostics)
     if robot is None:
-        raise SystemExit("\n".join(map(str, found)))
+        raise SystemExit("\n".join(map(str, diagnostics)))
     return robot_subject(robot, posed(robot, {}))
 
 

@@ -96,23 +96,23 @@ def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> InferredMechanism:
     return infer_mechanism(assembled(*nodes), sources)
 
 
-def links(found: InferredMechanism) -> list[set[str]]:
+def links(inferred: InferredMechanism) -> list[set[str]]:
     """The paths of the parts of each link."""
-    return [{found.survey.parts[i].path for i in members} for members in found.links]
+    return [{inferred.survey.parts[i].path for i in members} for members in inferred.links]
 
 
-def joints(found: InferredMechanism) -> list[tuple[str, str, str]]:
+def joints(inferred: InferredMechanism) -> list[tuple[str, str, str]]:
     """Type and the larger parts' paths of both sides of each joint, sorted; without placeholders."""
     rows = []
-    for arc in found.arcs:
+    for arc in inferred.arcs:
         if arc.evidence.type != JointKind.FIXED:
-            ends = sorted(_largest(found, n) for n in (arc.parent, arc.child))
+            ends = sorted(_largest(inferred, n) for n in (arc.parent, arc.child))
             rows.append((str(arc.evidence.type), ends[0], ends[1]))
     return sorted(rows)
 
 
-def _largest(found: InferredMechanism, link: int) -> str:
-    parts = [found.survey.parts[i] for i in found.links[link]]
+def _largest(inferred: InferredMechanism, link: int) -> str:
+    parts = [inferred.survey.parts[i] for i in inferred.links[link]]
     return max(parts, key=lambda p: (p.volume, p.path)).path
 
 

@@ -65,11 +65,11 @@ class ReadDiagnostics(Diagnostics):
 
 
 @pytest.fixture
-def found() -> Iterator[ReadDiagnostics]:
+def diagnostics() -> Iterator[ReadDiagnostics]:
     """A collector of diagnostics; the test fails if one remains unread."""
-    diagnostics = ReadDiagnostics()
-    yield diagnostics
-    unread = list(diagnostics)[diagnostics.read :] if diagnostics.read < len(diagnostics) else []
+    collected = ReadDiagnostics()
+    yield collected
+    unread = list(collected)[collected.read :] if collected.read < len(collected) else []
     assert not unread, "nobody looked at:\n" + "\n".join(map(str, unread))
 
 

@@ -206,9 +206,9 @@ def lock(sidecar: Path) -> None:
     from stepbot.revisions import lock_path
     from stepbot.revisions.lock_file import lock_bytes
 
-    found = Diagnostics()
-    made = make_locks(sidecar, Options(output=Path()), found)
-    assert made, list(map(str, found))
+    diagnostics = Diagnostics()
+    made = make_locks(sidecar, Options(output=Path()), diagnostics)
+    assert made, list(map(str, diagnostics))
     lock_path(sidecar).write_bytes(lock_bytes(made[lock_path(sidecar)]))
 
 

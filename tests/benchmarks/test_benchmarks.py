@@ -181,9 +181,9 @@ def test_contenders_name_each_other_apart() -> None:
 
 
 @pytest.mark.slow
-def test_copies_in_a_row_do_not_touch(robot_library: Path, found: ReadDiagnostics) -> None:
+def test_copies_in_a_row_do_not_touch(robot_library: Path, diagnostics: ReadDiagnostics) -> None:
     """Copies have paths of their own, the same shapes, and boxes one after the other."""
-    single = read_assembly(robot_library / "stepbot_four_bar" / "four_bar.step", ReadOptions(), found)
+    single = read_assembly(robot_library / "stepbot_four_bar" / "four_bar.step", ReadOptions(), diagnostics)
     assert single is not None
     row = in_a_row(single, 3)
     assert len(row.components) == 3 * (len(single.components) - 1) + 1

@@ -19,9 +19,9 @@ FOUR_BAR = Path(__file__).parents[2] / "robot_library" / "stepbot_four_bar"
 @pytest.fixture(scope="module")
 def four_bar() -> tuple[InferredMechanism, Truth]:
     """The inferred and the true robot of the four-bar."""
-    found = Diagnostics()
-    assembly = read_assembly(FOUR_BAR / "four_bar.step", ReadOptions(faces=True), found)
-    assert assembly is not None, list(found)
+    diagnostics = Diagnostics()
+    assembly = read_assembly(FOUR_BAR / "four_bar.step", ReadOptions(faces=True), diagnostics)
+    assert assembly is not None, list(diagnostics)
     return infer_mechanism(assembly), read_truth(FOUR_BAR / "four_bar.robot.yaml", assembly)
 
 

@@ -124,8 +124,8 @@ def drafting(page: Page, tmp_path: Path) -> Iterator[Callable[[Path, str], Draft
         options = Options(output=tmp_path / name, cache=Cache(tmp_path / "cache"))
         draft = draft_step(step, options).draft
         assert draft is not None
-        write_draft(draft, sidecar, step, "", found := Diagnostics())
-        assert not found.has_errors
+        write_draft(draft, sidecar, step, "", diagnostics := Diagnostics())
+        assert not diagnostics.has_errors
         session = Session(sidecar, options, edits=True)
         try:
             session.load()

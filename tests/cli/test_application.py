@@ -198,9 +198,9 @@ def test_findings_that_escape_are_shown_as_findings(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Diagnostics raised as an exception are reported as findings."""
-    found = Diagnostics()
-    found.add("SB004", "disk full", Span("out"))
-    monkeypatch.setattr(schema, "command", failing_with(StepbotError(found)))
+    diagnostics = Diagnostics()
+    diagnostics.add("SB004", "disk full", Span("out"))
+    monkeypatch.setattr(schema, "command", failing_with(StepbotError(diagnostics)))
     code, _, err = run(capsys, "schema")
     assert code == 2
     assert "out: error[SB004]: disk full" in err

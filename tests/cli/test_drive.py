@@ -274,8 +274,8 @@ def test_plots_are_the_same_bytes_in_two_runs(folder: Path, stepbot: Stepbot) ->
 def test_files_of_a_conversion_whose_drive_fails(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """Failing drive tests move no file: the folder that is printed has them."""
 
-    def fails(target: Path, options: object, chosen: object, found: Diagnostics, progress: object) -> None:
-        found.add("SB832", "stopped", Span(target.as_posix()))
+    def fails(target: Path, options: object, chosen: object, diagnostics: Diagnostics, progress: object) -> None:
+        diagnostics.add("SB832", "stopped", Span(target.as_posix()))
 
     monkeypatch.setattr("stepbot.pipeline.driving.drive", fails)
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify", "--drive")

@@ -157,8 +157,8 @@ def test_inspect_lists_the_files(lever: Path, stepbot: Stepbot) -> None:
 @pytest.mark.parametrize("as_bytes", [False, True], ids=["same machine", "other machine"])
 def test_batch(as_bytes: bool, lever: Path) -> None:
     """A batch sends every file to the executor; a changed part is converted again."""
-    found = Diagnostics()
-    tasks = plan([Path("lever.robot.yaml")], Path("all"), found)
+    diagnostics = Diagnostics()
+    tasks = plan([Path("lever.robot.yaml")], Path("all"), diagnostics)
     options = Options(Path("all"), formats=("urdf",), verify=False)
 
     def statuses() -> list[str]:

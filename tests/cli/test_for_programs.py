@@ -205,9 +205,9 @@ def test_robosuite_gets_motors_and_a_hand(arm: Path, stepbot: Stepbot, robot_lib
 @pytest.mark.parametrize("name", ["ball", "universal", "floating_biped", "gripper_with_mimic", "tree"])
 def test_robosuite_takes_arms_alone(name: str) -> None:
     """Robots with other joints, branches, followers or without a fixed base are rejected."""
-    found = Diagnostics()
-    assert program_files(["robosuite"], {"mjcf": ROBOTS[name]()}, found) == {}
-    assert [one.code for one in found] == ["SB644"]
+    diagnostics = Diagnostics()
+    assert program_files(["robosuite"], {"mjcf": ROBOTS[name]()}, diagnostics) == {}
+    assert [one.code for one in diagnostics] == ["SB644"]
 
 
 def test_maniskill_gets_the_limits_of_speeds() -> None:
@@ -225,9 +225,9 @@ def test_maniskill_gets_the_limits_of_speeds() -> None:
 
 def test_playground_gets_no_robot_that_mjx_rejects() -> None:
     """A contact sensor, or a cylinder that may touch a box or hull; the remedy is named."""
-    found = Diagnostics()
-    assert program_files(["playground"], {"mjcf": ROBOTS["equipped"]()}, found) == {}
-    (one,) = found
+    diagnostics = Diagnostics()
+    assert program_files(["playground"], {"mjcf": ROBOTS["equipped"]()}, diagnostics) == {}
+    (one,) = diagnostics
     assert one.code == "SB644"
     assert "{collision: {for: mjx}}" in one.help[0]
     arm = three_in_a_row()

@@ -35,10 +35,10 @@ def test_a_picture_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "arm.png"
     path.write_bytes(b"before")
     pixels = np.random.default_rng(1).integers(0, 256, (64, 64, 3), dtype=np.uint8)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with _full_after(4096):
-        write_picture(path, Picture(pixels), found)
-    assert [one.code for one in found] == ["SB004"]
+        write_picture(path, Picture(pixels), diagnostics)
+    assert [one.code for one in diagnostics] == ["SB004"]
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {"arm.png": b"before"}
 
 

@@ -121,14 +121,14 @@ def test_what_an_entry_covers(
     rule: dict[str, object], message: str, line: int, notes: tuple[str, ...], covered: bool
 ) -> None:
     """An entry covers diagnostics about its subject or at its lines; only a top-level entry covers summaries."""
-    found = Diagnostics()
-    found.ignore([Ignore("SB602", Span("a.yaml", 4, 3), **rule)])  # type: ignore[arg-type]
-    found.add("SB602", message, Span("a.yaml", line), notes=notes)
-    assert len(found.ignored) == covered
-    assert len(found) + len(found.ignored) == 1
-    assert bool(found.unused_ignores) != covered
-    found.ignore([Ignore("SB602", Span("stepbot"))])
-    assert len(found.ignored) == 1, "also of what was found before"
+    diagnostics = Diagnostics()
+    diagnostics.ignore([Ignore("SB602", Span("a.yaml", 4, 3), **rule)])  # type: ignore[arg-type]
+    diagnostics.add("SB602", message, Span("a.yaml", line), notes=notes)
+    assert len(diagnostics.ignored) == covered
+    assert len(diagnostics) + len(diagnostics.ignored) == 1
+    assert bool(diagnostics.unused_ignores) != covered
+    diagnostics.ignore([Ignore("SB602", Span("stepbot"))])
+    assert len(diagnostics.ignored) == 1, "also of what was found before"
 
 
 NUMBERED = """version: 1
@@ -196,12 +196,12 @@ def test_entry_of_a_link_holds_for_its_overlapping_solids(
 )
 def test_a_rule_selects_a_feature_or_what_a_code_of_an_earlier_version_stood_for(rule: str, ignored: set[str]) -> None:
     """A code alone covers all its features, with a feature this one, an earlier version's what took its place."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     for code in ("SB760:armature", "SB760:spring", "SB760:imu", "SB763:mimic", "SB763:mimic-chain"):
-        found.add(code, "URDF: left out", Span("arm.urdf"))
-    found.ignore([Ignore(rule, Span("arm.robot.yaml", 3))])
-    assert {one.code for one in found.ignored} == ignored
-    assert not found.unused_ignores
+        diagnostics.add(code, "URDF: left out", Span("arm.urdf"))
+    diagnostics.ignore([Ignore(rule, Span("arm.robot.yaml", 3))])
+    assert {one.code for one in diagnostics.ignored} == ignored
+    assert not diagnostics.unused_ignores
 
 
 def test_codes_with_features_are_accepted_and_explained(arm: Path, stepbot: Stepbot) -> None:

@@ -68,13 +68,13 @@ def test_sarif_log_has_rules_and_places() -> None:
     assert json.loads(sarif([]))["runs"][0]["results"] == []
 
 
-@pytest.mark.parametrize("found", [FOUND, ()])
-def test_sarif_log_is_valid_by_the_published_schema(found: tuple[Diagnostic, ...]) -> None:
+@pytest.mark.parametrize("diagnostics", [FOUND, ()])
+def test_sarif_log_is_valid_by_the_published_schema(diagnostics: tuple[Diagnostic, ...]) -> None:
     """The classes that `pydantic-sarif` generates of SARIF's schema accept it, and reject another level."""
     model = pytest.importorskip("pydantic_sarif.model")
-    schema, text = model.StaticAnalysisResultsFormatSarifVersion210JsonSchema, sarif(found)
+    schema, text = model.StaticAnalysisResultsFormatSarifVersion210JsonSchema, sarif(diagnostics)
     schema.model_validate_json(text)
-    if found:
+    if diagnostics:
         with pytest.raises(ValueError, match="'none', 'note', 'warning' or 'error'"):
             schema.model_validate_json(text.replace('"level": "warning"', '"level": "info"'))
 

@@ -130,12 +130,12 @@ def test_readme_states_where_numbers_are_from(folder: Path) -> None:
 def test_licence_has_its_text(license: str, phrase: str) -> None:
     """With the maintainer as its holder; a licence that names its holder is not written without one."""
     for holder in ("Ada Lovelace", ""):
-        robot, found = replace(two_link_arm(), metadata=Metadata(holder, "", license)), Diagnostics()
-        files = menagerie_files(robot, render(robot, "mjcf", found))
-        report_missing_license(robot, found)
+        robot, diagnostics = replace(two_link_arm(), metadata=Metadata(holder, "", license)), Diagnostics()
+        files = menagerie_files(robot, render(robot, "mjcf", diagnostics))
+        report_missing_license(robot, diagnostics)
         written = holder or license == "Apache-2.0"
         assert ("LICENSE" in files) == bool(written)
-        assert ("SB643" in [one.code for one in found]) == (not written)
+        assert ("SB643" in [one.code for one in diagnostics]) == (not written)
         if written:
             assert phrase in files["LICENSE"].decode()
             assert "<copyright" not in files["LICENSE"].decode()

@@ -48,13 +48,13 @@ def test_no_color_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_commands_that_use_a_robot_do_not_repeat_the_notes_of_check(capsys: pytest.CaptureFixture[str]) -> None:
     """Warnings, and notes about the command itself, are printed; -v prints all."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     for code in ("SB505", "SB762:initial-pose", "SB621", "SB006", "SB502"):
-        found.add(code, f"about {code}", Span("arm.robot.yaml"))
-    show_diagnostics_of_use(found, Display(concise=True))
+        diagnostics.add(code, f"about {code}", Span("arm.robot.yaml"))
+    show_diagnostics_of_use(diagnostics, Display(concise=True))
     brief = capsys.readouterr().err
     assert re.findall(r"SB\d{3}(?=\])", brief) == ["SB621", "SB006", "SB502"]
-    show_diagnostics_of_use(found, Display(verbose=True))
+    show_diagnostics_of_use(diagnostics, Display(verbose=True))
     full = capsys.readouterr().err
     assert "SB505" in full
     assert "SB762:initial-pose" in full

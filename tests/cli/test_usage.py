@@ -121,10 +121,10 @@ def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -
 )
 def test_draft_of_any_file_name(name: str) -> None:
     """A drafted sidecar is valid and names its STEP, whatever the file name."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     draft = Draft(Path(name).stem, "base", (DraftLink("base", (), Confidence(1.0), rest=True),))
-    sidecar = parse_sidecar(sidecar_text(draft, name), Path(starter_name(Path(name))), found)
-    assert list(found) == []
+    sidecar = parse_sidecar(sidecar_text(draft, name), Path(starter_name(Path(name))), diagnostics)
+    assert list(diagnostics) == []
     assert sidecar is not None
     assert sidecar.document.step == name
 

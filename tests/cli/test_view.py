@@ -19,15 +19,15 @@ def test_a_step_file_is_drafted_once(tmp_path: Path) -> None:
     """Without a sidecar one is drafted that passes its check; an existing one is taken as it is."""
     step = tmp_path / "hinge.step"
     write_hinge(step)
-    found = Diagnostics()
-    sidecar, said = _editable(step, Options(output=Path()), found)
-    assert not found.has_errors
+    diagnostics = Diagnostics()
+    sidecar, said = _editable(step, Options(output=Path()), diagnostics)
+    assert not diagnostics.has_errors
     assert sidecar == tmp_path / "hinge.robot.yaml"
     assert "wrote" in said
     assert not check(sidecar, open_step=True, cache=False).diagnostics.has_errors
     sidecar.write_text("version: 1\n", encoding="utf-8")
-    assert _editable(step, Options(output=Path()), found) == (sidecar, "")
-    assert _editable(sidecar, Options(output=Path()), found) == (sidecar, "")
+    assert _editable(step, Options(output=Path()), diagnostics) == (sidecar, "")
+    assert _editable(sidecar, Options(output=Path()), diagnostics) == (sidecar, "")
     assert sidecar.read_text(encoding="utf-8") == "version: 1\n"
 
 
@@ -58,9 +58,9 @@ def test_a_folder_without_write_permission_is_reported_first(tmp_path: Path, mon
     sidecar = tmp_path / "arm.robot.yaml"
     sidecar.write_text("version: 1\n", encoding="utf-8")
     monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
-    found = Diagnostics()
-    _check_writable(sidecar, found)
-    ((code, message, help),) = [(one.code, one.message, one.help) for one in found]
+    diagnostics = Diagnostics()
+    _check_writable(sidecar, diagnostics)
+    ((code, message, help),) = [(one.code, one.message, one.help) for one in diagnostics]
     assert code == "SB004"
     assert "no write permission" in message
     assert help == ("copy the files to a folder that you can write to",)
@@ -68,14 +68,14 @@ def test_a_folder_without_write_permission_is_reported_first(tmp_path: Path, mon
 
 def test_warnings_are_counted_where_the_page_lists_them(capsys: pytest.CaptureFixture[str]) -> None:
     """A page that opens lists warnings; the terminal shows errors, the number of warnings, and the address last."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     for name in ("a", "b"):
-        found.add("SB305", f"part '{name}'", Span("arm.step"))
-    found.add("SB001", "file not found", Span("arm.robot.yaml"))
-    _announce(found, "http://127.0.0.1:1/x/", display=Display())
+        diagnostics.add("SB305", f"part '{name}'", Span("arm.step"))
+    diagnostics.add("SB001", "file not found", Span("arm.robot.yaml"))
+    _announce(diagnostics, "http://127.0.0.1:1/x/", display=Display())
     out, err = capsys.readouterr()
     assert "SB001" in err
     assert "SB305" not in err
     assert out.splitlines() == ["2 warnings in the page, under Findings", "http://127.0.0.1:1/x/"]
-    _announce(found, "", display=Display())
+    _announce(diagnostics, "", display=Display())
     assert "SB305" in capsys.readouterr().err

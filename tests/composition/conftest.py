@@ -37,10 +37,10 @@ def write(tmp_path: Path, robot_library: Path) -> Callable[[Mapping[str, str]], 
 def composed(tmp_path: Path, cache: Cache, write: Callable[[Mapping[str, str]], None]) -> Compose:
     """Composes the robot of the first of some files; diagnostics go to ``found``."""
 
-    def robot(files: Mapping[str, str], found: Diagnostics) -> Robot:
+    def robot(files: Mapping[str, str], diagnostics: Diagnostics) -> Robot:
         write(files)
         options = Options(tmp_path / "out", cache=cache)
-        return compose(load(tmp_path / next(iter(files)), options, found), options, found).robot
+        return compose(load(tmp_path / next(iter(files)), options, diagnostics), options, diagnostics).robot
 
     return robot
 
@@ -49,10 +49,10 @@ def composed(tmp_path: Path, cache: Cache, write: Callable[[Mapping[str, str]], 
 def errors(composed: Compose) -> Callable[[Mapping[str, str], Diagnostics], list[str]]:
     """The errors of a composition that cannot be made, as one line each, with line and column."""
 
-    def of(files: Mapping[str, str], found: Diagnostics) -> list[str]:
+    def of(files: Mapping[str, str], diagnostics: Diagnostics) -> list[str]:
         with pytest.raises(StepbotError):
-            composed(files, found)
-        faults = [one for one in found if one.severity == "error"]
+            composed(files, diagnostics)
+        faults = [one for one in diagnostics if one.severity == "error"]
         return [f"{one.code} {one.span.line}:{one.span.column} {one.message}" for one in faults]
 
     return of

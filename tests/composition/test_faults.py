@@ -23,11 +23,11 @@ def test_a_fault_of_a_file_that_is_used_four_times(errors: Errors) -> None:
     """One error, at the line of the module's own sidecar; a note names the first module that uses it."""
     inner = composing("arm: {file: arm.urdf}", more="frames: {x: {link: arm/bse, origin: {relative_to: arm/base}}}\n")
     first, *others = (f"m{i}: {{file: inner.robot.yaml{', at: m0/x' if i else ''}}}" for i in range(4))
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     files = {"r.robot.yaml": composing(first, *others), "inner.robot.yaml": inner, "arm.urdf": ARM}
-    (line,) = errors(files, found)
+    (line,) = errors(files, diagnostics)
     assert line.startswith("SB152 6:20 frame 'x': link: no frame or link 'bse' in module 'arm'")
-    (error,) = [one for one in found if one.severity == "error"]
+    (error,) = [one for one in diagnostics if one.severity == "error"]
     assert error.span.file.endswith("inner.robot.yaml")
     assert [note.split(" of ")[0] for note in error.notes] == ["module 'm0'"]
 
@@ -35,25 +35,27 @@ def test_a_fault_of_a_file_that_is_used_four_times(errors: Errors) -> None:
 def test_meshes_of_a_package(tmp_path: Path, write: Callable[[Mapping[str, str]], None], errors: Errors) -> None:
     """A URDF whose package is not found is an error with the module; with the package path it is composed."""
     files = {"r.robot.yaml": composing("arm: {file: arm.urdf}"), "arm.urdf": urdf("arm", link("base", 1.0, MESH))}
-    found = Diagnostics()
-    (line,) = errors(files, found)
+    diagnostics = Diagnostics()
+    (line,) = errors(files, diagnostics)
     assert line.startswith("SB861")
-    assert any("module 'arm' of" in note for one in found for note in one.notes)
+    assert any("module 'arm' of" in note for one in diagnostics for note in one.notes)
     package = tmp_path / "packages" / "elsewhere"
     package.mkdir(parents=True)
     (package / "part.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     options = Options(tmp_path / "out", package_path=(tmp_path / "packages",))
-    robot: Robot = compose(load(tmp_path / "r.robot.yaml", options, found := Diagnostics()), options, found).robot
+    robot: Robot = compose(
+        load(tmp_path / "r.robot.yaml", options, diagnostics := Diagnostics()), options, diagnostics
+    ).robot
     assert [asset.name for asset in robot.meshes] == ["part"]
 
 
 def test_an_sdformat_with_an_include(errors: Errors) -> None:
     """It is as unsupported as alone, and the note names the module."""
     include = '<sdf version="1.9"><model name="m"><include><uri>other</uri></include></model></sdf>'
-    found = Diagnostics()
-    lines = errors({"r.robot.yaml": composing("arm: {file: m.sdf}"), "m.sdf": include}, found)
+    diagnostics = Diagnostics()
+    lines = errors({"r.robot.yaml": composing("arm: {file: m.sdf}"), "m.sdf": include}, diagnostics)
     assert [one.partition(" is not supported")[0] for one in lines] == ["SB823 0:0 <include> of 'other'"]
-    assert "module 'arm'" in str(next(one.notes for one in found if one.code == "SB823"))
+    assert "module 'arm'" in str(next(one.notes for one in diagnostics if one.code == "SB823"))
 
 
 def test_a_gap_between_the_ends_of_a_closure(errors: Errors) -> None:
@@ -92,12 +94,12 @@ def test_a_prefix_with_a_slash(errors: Errors) -> None:
 def test_the_number_of_modules_is_limited(count: int, composed: Callable[..., Robot]) -> None:
     """256 instances of one file are composed; one more is an error at that module."""
     modules = ("m0: {file: arm.urdf}", *(f"m{i}: {{file: arm.urdf, at: m0/tip}}" for i in range(1, count)))
-    files, found = {"r.robot.yaml": composing(*modules), "arm.urdf": ARM}, Diagnostics()
+    files, diagnostics = {"r.robot.yaml": composing(*modules), "arm.urdf": ARM}, Diagnostics()
     if count <= 256:
-        assert len(composed(files, found).links) == 2 * count
+        assert len(composed(files, diagnostics).links) == 2 * count
         return
     with pytest.raises(StepbotError, match=r"SB150.*'m256': more than 256 modules"):
-        composed(files, found)
+        composed(files, diagnostics)
 
 
 def test_each_configuration_is_computed_once(composed: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,14 +124,14 @@ def test_each_configuration_is_computed_once(composed: Callable[..., Robot], mon
 def test_a_bare_step_needs_a_density(composed: Callable[..., Robot]) -> None:
     """The warning is at the module, since there is no other file to write a density into; `set` gives it."""
     text = "fixture: {file: LIBRARY/robotiq_2f85/2f85.step%s}"
-    found = Diagnostics()
-    composed({"r.robot.yaml": composing(text % "")}, found)
-    (placeholder,) = [one for one in found if one.code == "SB522"]
+    diagnostics = Diagnostics()
+    composed({"r.robot.yaml": composing(text % "")}, diagnostics)
+    (placeholder,) = [one for one in diagnostics if one.code == "SB522"]
     assert placeholder.span.file.endswith("r.robot.yaml")
     assert placeholder.help == ("write the density of its material: `set: {defaults: {density: 2700 kg/m^3}}`",)
-    found = Diagnostics()
-    composed({"r.robot.yaml": composing(text % ", set: {defaults: {density: 2700}}")}, found)
-    assert "SB522" not in {one.code for one in found}
+    diagnostics = Diagnostics()
+    composed({"r.robot.yaml": composing(text % ", set: {defaults: {density: 2700}}")}, diagnostics)
+    assert "SB522" not in {one.code for one in diagnostics}
 
 
 ARM_ALONE, HAND_AT_TIP = "arm: {file: arm.urdf}", "hand: {file: hand.urdf, at: arm/tip}"
@@ -268,9 +270,9 @@ def test_a_mistake_is_one_error_with_place_and_remedy(expected: str, errors: Err
     """Each cause is reported once, where it is written, with what to write instead."""
     modules, more, remedy = MISTAKES[expected]
     files = {"r.robot.yaml": composing(*modules, more=more), "arm.urdf": ARM, "hand.urdf": HAND, "x.stl": "solid"}
-    (line,) = errors(files, found := Diagnostics())
+    (line,) = errors(files, diagnostics := Diagnostics())
     assert line.startswith(expected)
-    (help,) = [one.help for one in found if one.severity == "error"]
+    (help,) = [one.help for one in diagnostics if one.severity == "error"]
     assert remedy in " ".join(help)
 
 
@@ -285,8 +287,8 @@ def test_paths_lead_into_modules_of_modules(composed: Callable[..., Robot], erro
     assert robot.joint_by_name["a_arm_lift"].drawn_position == 0.5
     for path in ("b/arm_tip", "tip"):
         wrong = composing("a: {file: inner.robot.yaml}", f"b: {{file: arm.urdf, at: a/{path}}}")
-        (line,) = errors({"r.robot.yaml": wrong, **files}, found := Diagnostics())
+        (line,) = errors({"r.robot.yaml": wrong, **files}, diagnostics := Diagnostics())
         assert line.startswith(f"SB152 6:27 modules.b.at: no frame or link '{path}' in module 'a'")
         assert "ports of 'a': arm/base, arm/tip, hand/palm" in " ".join(
-            *(one.help for one in found if one.code == "SB152")
+            *(one.help for one in diagnostics if one.code == "SB152")
         )

@@ -183,9 +183,9 @@ def test_a_module_that_is_too_weak_is_reported_where_it_is_named(composed: Compo
     load = urdf("load", link("load", 2000.0))
     modules = ("a: {file: a.robot.yaml}", "load: {file: load.urdf, at: a/arm/tip}")
     files = {"r.robot.yaml": composing(*modules), "a.robot.yaml": own, "arm.urdf": arm, "load.urdf": load}
-    found = Diagnostics()
-    composed(files, found)
-    (weak,) = [one for one in found if one.code == "SB464"]
+    diagnostics = Diagnostics()
+    composed(files, diagnostics)
+    (weak,) = [one for one in diagnostics if one.code == "SB464"]
     assert weak.message.startswith("actuator 'a_m': its effort limit of 10 N m does not hold the joint")
     assert (weak.span.file[-12:], weak.span.line) == ("r.robot.yaml", 5)
 

@@ -145,9 +145,9 @@ def test_the_image_of_an_image(of: str, plane: str, first: str, second: str, com
         f"right: {{mirror_of: left, mirror: {plane}{flips[1]}}}",
     )
     files = {"r.robot.yaml": composing(*modules), "hand.urdf": HAND, "torso.urdf": TORSO}
-    found = Diagnostics()
-    robot = composed(files, found)
-    assert "SB803" not in {one.code for one in found}
+    diagnostics = Diagnostics()
+    robot = composed(files, diagnostics)
+    assert "SB803" not in {one.code for one in diagnostics}
     q = {"left_finger_roll": 0.7, "right_finger_roll": -0.7 if second else 0.7}
     poses = link_poses(robot, q)
     for name in ("palm", "finger", "thumb", "tail"):
@@ -155,7 +155,9 @@ def test_the_image_of_an_image(of: str, plane: str, first: str, second: str, com
         assert np.allclose(poses[f"right_{name}"].matrix, expected, rtol=0.0, atol=1e-12), name
     (module,) = [one for one in robot.modules if one.name == "right"]
     assert module.mirror == ("" if of == plane else "".join(sorted(of + plane)))
-    alone = composed({"r.robot.yaml": composing("hand: {file: hand.urdf, prefix: right_}"), "hand.urdf": HAND}, found)
+    alone = composed(
+        {"r.robot.yaml": composing("hand: {file: hand.urdf, prefix: right_}"), "hand.urdf": HAND}, diagnostics
+    )
     for link_alone in alone.links if of == plane else ():
         assert robot.link_by_name[link_alone.name].mass_properties == link_alone.mass_properties
 
@@ -189,9 +191,9 @@ def test_a_foot_between_two_legs(errors: Callable[..., list[str]], composed: Com
     (mount,) = [joint for joint in robot.joints if joint.child == "far_right_foot_torso"]
     assert mount.parent == "far_right_tail"
     unnamed = composing(*LEGS, *second, "boot: {mirror_of: front_left_foot}")
-    (line,) = errors({"r.robot.yaml": unnamed, **files}, found := Diagnostics())
+    (line,) = errors({"r.robot.yaml": unnamed, **files}, diagnostics := Diagnostics())
     assert line.startswith("SB154 11:21 module 'boot': mirror_of: 'front_left_foot' is on 'front_left', which has")
-    (help,) = [one.help for one in found if one.severity == "error"]
+    (help,) = [one.help for one in diagnostics if one.severity == "error"]
     assert help == ("give `at`: a port of 'front_right' or 'far_right'",)
 
 
@@ -250,8 +252,8 @@ PLATE = ("plate: {file: torso.urdf, at: body/torso, offset: {xyz: [0, -0.5, 0]}}
 def test_a_place_on_another_link(modules: tuple[str, ...], off: str | None, composed: Compose) -> None:
     """Two links of one part are compared as drawn, a place on an image with its link; welded parts are one body."""
     files = {"r.robot.yaml": composing("body: {file: body.urdf}", *modules)}
-    composed({**files, "body.urdf": BODY, "hand.urdf": HAND, "torso.urdf": TORSO}, found := Diagnostics())
-    notes = [one.message.rpartition(": ")[2] for one in found if one.code == "SB168:place"]
+    composed({**files, "body.urdf": BODY, "hand.urdf": HAND, "torso.urdf": TORSO}, diagnostics := Diagnostics())
+    notes = [one.message.rpartition(": ")[2] for one in diagnostics if one.code == "SB168:place"]
     assert notes == ([off] if off else [])
 
 

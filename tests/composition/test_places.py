@@ -108,18 +108,18 @@ def test_expected_values_of_modules(scale: float, composed: Compose) -> None:
   reach: {{value: {1.9 * scale}, within: 1 um, to: cell/tool/jaw, start: cell/arm/tip}}
 """
     files = {"r.robot.yaml": composing("cell: {file: inner.robot.yaml}", more=expect), "inner.robot.yaml": inner}
-    found = Diagnostics()
-    composed({**files, "arm.urdf": ARM, "tool.urdf": TOOL}, found)
-    faults = [one.message for one in found if one.code == "SB525"]
+    diagnostics = Diagnostics()
+    composed({**files, "arm.urdf": ARM, "tool.urdf": TOOL}, diagnostics)
+    faults = [one.message for one in diagnostics if one.code == "SB525"]
     assert len(faults) == (2 if scale > 1.0 else 0), faults
 
 
 def test_a_narrow_expectation_shows_what_differs(composed: Compose) -> None:
     """Values and shares have the digits that the tolerance needs: neither is `2 kg, 2 kg expected`, nor 0 %."""
     expect = "expect: {links: {arm/base: {mass: {value: 2.00001 kg, within: 0.0001 %}}}}\n"
-    found = Diagnostics()
-    composed({"r.robot.yaml": composing("arm: {file: arm.urdf}", more=expect), "arm.urdf": ARM}, found)
-    (fault,) = (one.message for one in found if one.code == "SB525")
+    diagnostics = Diagnostics()
+    composed({"r.robot.yaml": composing("arm: {file: arm.urdf}", more=expect), "arm.urdf": ARM}, diagnostics)
+    (fault,) = (one.message for one in diagnostics if one.code == "SB525")
     assert fault.endswith("is 2 kg, 2.00001 kg expected: -0.0005%, 0.0001% allowed")
 
 
@@ -205,9 +205,9 @@ def test_what_is_inside_its_neighbour_is_reported(
         "root.urdf": urdf("root", twice),
         "m.urdf": urdf("m", link("cube", 1.0, f'<visual name="cube"><geometry>{geometry}</geometry></visual>')),
     }
-    found = Diagnostics()
-    composed(files, found)
-    texts = [f"{one.code} {one.message}" for one in found if one.code.startswith("SB166")]
+    diagnostics = Diagnostics()
+    composed(files, diagnostics)
+    texts = [f"{one.code} {one.message}" for one in diagnostics if one.code.startswith("SB166")]
     if not expected:
         assert not texts
     else:
@@ -227,9 +227,9 @@ def test_shapes_of_two_kinds_are_not_one_part(composed: Compose) -> None:
         "cube.urdf": urdf("cube", link("cube", 1.0, box(1, 1, 1))),
         "ball.urdf": urdf("ball", link("ball", 1.0, ball)),
     }
-    found = Diagnostics()
-    composed(files, found)
-    assert not [one for one in found if one.code.startswith("SB166")]
+    diagnostics = Diagnostics()
+    composed(files, diagnostics)
+    assert not [one for one in diagnostics if one.code.startswith("SB166")]
 
 
 @pytest.mark.slow
@@ -237,9 +237,9 @@ def test_shapes_of_two_kinds_are_not_one_part(composed: Compose) -> None:
 def test_a_hand_on_the_flange_is_inside_the_wrist(port: str, codes: set[str], composed: Compose) -> None:
     """REP 199's `flange` has x outwards: the hand sticks out sideways, through the last link."""
     text = composing('arm: {file: "library:ur5e"}', f'hand: {{file: "library:2f85", at: arm/{port}}}')
-    found = Diagnostics()
-    composed({"r.robot.yaml": text}, found)
-    assert {one.code for one in found if one.code.startswith("SB166")} == codes
+    diagnostics = Diagnostics()
+    composed({"r.robot.yaml": text}, diagnostics)
+    assert {one.code for one in diagnostics if one.code.startswith("SB166")} == codes
 
 
 @pytest.mark.parametrize("first", ["a", "z"])
@@ -412,9 +412,9 @@ def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, wr
     options = Options(tmp_path / "out", cache=Cache(tmp_path / "cache"))
 
     def rows(old: str, new: str) -> list[tuple[str, str, str]]:
-        found = Diagnostics()
-        made = differing_sidecars(tmp_path / f"{old}.robot.yaml", tmp_path / f"{new}.robot.yaml", options, found)
-        assert made is not None, list(found)
+        diagnostics = Diagnostics()
+        made = differing_sidecars(tmp_path / f"{old}.robot.yaml", tmp_path / f"{new}.robot.yaml", options, diagnostics)
+        assert made is not None, list(diagnostics)
         return [(row.kind, row.name, row.detail) for row in made.rows]
 
     turned = ("modules", "module 'hand' on link 'tip'", "turned by 30 deg")

@@ -65,10 +65,10 @@ FILES = {"whole.robot.yaml": WHOLE, "arm.urdf": ARM, "hand.robot.yaml": HAND, "p
 def variant(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> Callable[..., Robot]:
     """Composes a variant of the first of some files."""
 
-    def robot(name: str, found: Diagnostics, files: Mapping[str, str] = FILES) -> Robot:
+    def robot(name: str, diagnostics: Diagnostics, files: Mapping[str, str] = FILES) -> Robot:
         write(files)
         options = Options(tmp_path / "out", variant=name)
-        return compose(load(tmp_path / next(iter(files)), options, found), options, found).robot
+        return compose(load(tmp_path / next(iter(files)), options, diagnostics), options, diagnostics).robot
 
     return robot
 
@@ -162,15 +162,15 @@ def test_a_variant_like_another_is_both_patches(variant: Callable[..., Robot]) -
 def test_a_module_is_a_robot_of_the_library(composed: Callable[..., Robot]) -> None:
     """``library:NAME`` is its sidecar, with either name; an unknown one lists near names; no path is in a message."""
     text = "{version: 1, robot: r, modules: {arm: {file: 'library:arm2'}}}"
-    found = Diagnostics()
-    short = composed({"r.robot.yaml": text}, found)
+    diagnostics = Diagnostics()
+    short = composed({"r.robot.yaml": text}, diagnostics)
     long = composed({"r.robot.yaml": text.replace("arm2", "stepbot_arm2")}, Diagnostics())
     assert len(short.links) == 5
     assert (short.links, short.joints) == (long.links, long.joints)
-    assert not any("robot_library" in one.span.file for one in found)
+    assert not any("robot_library" in one.span.file for one in diagnostics)
     with pytest.raises(StepbotError, match="no robot 'arm3' in the library"):
-        composed({"r.robot.yaml": text.replace("arm2", "arm3")}, found := Diagnostics())
-    assert any("did you mean 'arm2'?" in one.help for one in found)
+        composed({"r.robot.yaml": text.replace("arm2", "arm3")}, diagnostics := Diagnostics())
+    assert any("did you mean 'arm2'?" in one.help for one in diagnostics)
 
 
 @pytest.mark.parametrize("null", ["null", "~"])
@@ -241,14 +241,14 @@ FAULTS = {
 def test_faults_have_their_place(change: tuple[str, str], expected: str, variant: Callable[..., Robot]) -> None:
     """Each mistake is one diagnostic at the line where it is written, in the file where it is written."""
     assert change[0] in WHOLE
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with pytest.raises(StepbotError):
         variant(
             "bare_named" if "_named" in expected else "strong",
-            found,
+            diagnostics,
             {**FILES, "whole.robot.yaml": WHOLE.replace(*change)},
         )
-    (error,) = [one for one in found if one.severity == "error"]
+    (error,) = [one for one in diagnostics if one.severity == "error"]
     assert error.span.file.endswith("whole.robot.yaml")
     assert f"{error.code} {error.span.line}:{error.span.column} {error.message}".startswith(expected)
 
@@ -432,13 +432,13 @@ FOR_MJX = """
 @pytest.mark.slow
 def test_shapes_for_mjx_are_those_of_all_modules(composed: Callable[..., Robot]) -> None:
     """MJX concerns the whole robot: each link of a sidecar has one shape; a description's are reported, and kept."""
-    found = Diagnostics()
-    robot = composed({"whole.robot.yaml": FOR_MJX, "disc.urdf": DISC}, found)
+    diagnostics = Diagnostics()
+    robot = composed({"whole.robot.yaml": FOR_MJX, "disc.urdf": DISC}, diagnostics)
     assert {len(link.collisions) for link in robot.links} == {0, 1}
     shapes = [one.geometry for link in robot.links for one in link.collisions]
     assert sum(isinstance(one, Cylinder) for one in shapes) == 1
     assert len(shapes) == 8
-    assert [one.message for one in found if one.code == "SB608"] == [
+    assert [one.message for one in diagnostics if one.code == "SB608"] == [
         "`for: mjx` has no effect on module 'disc': 'disc.urdf' has shapes for other engines"
     ]
     plain = FOR_MJX.replace("defaults: {collision: {for: mjx}}", "")

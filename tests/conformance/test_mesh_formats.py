@@ -36,15 +36,15 @@ def as_format(robot: Robot, visual: MeshFormat, collision: MeshFormat = MeshForm
 @with_meshes
 def test_every_mesh_is_written_as_its_readers_read_it(format_: str, wanted: MeshFormat) -> None:
     """Each reference is to a written file and each file is referred to; other formats become OBJ, with a note."""
-    found = Diagnostics()
-    files = render(as_format(ROBOTS["tree"](), wanted, wanted), format_, found)
+    diagnostics = Diagnostics()
+    files = render(as_format(ROBOTS["tree"](), wanted, wanted), format_, diagnostics)
     top = etree.fromstring(next(iter(files.values())))
     meshes = {path for path in files if path.startswith("meshes/")}
     attributes = {element.get(key) for element in top.iter("mesh") for key in ("filename", "file")}
     assert (attributes | {element.text for element in top.iter("uri")}) - {None} == meshes
     kinds = {wanted.value if wanted.value in READ[format_][side] else "obj" for side in ("visual", "collision")}
     assert {path.rpartition(".")[2] for path in meshes} == kinds
-    noted = [one.message for one in found if one.code in REWRITTEN]
+    noted = [one.message for one in diagnostics if one.code in REWRITTEN]
     assert len(noted) == sum(wanted.value not in kinds_read for kinds_read in READ[format_].values())
 
 

@@ -302,7 +302,7 @@ def test_flat_and_round_inertias_compile(seed: int) -> None:
     np.testing.assert_allclose(np.sort(body.inertia), np.sort(moments), rtol=1e-9, atol=1e-11 * max(moments))
 
 
-def test_flat_collision_is_left_out_and_flat_visual_stays(found: Diagnostics) -> None:
+def test_flat_collision_is_left_out_and_flat_visual_stays(diagnostics: Diagnostics) -> None:
     """A flat collision sheet is omitted with a diagnostic; its visual remains."""
     sheet = MeshAsset("sheet", TriMesh.of([(0, 0, 0), (1, 0, 1), (1, 1, 1), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]))
     base = one_link().root
@@ -310,8 +310,8 @@ def test_flat_collision_is_left_out_and_flat_visual_stays(found: Diagnostics) ->
         "base", base.mass_properties, (Visual("seen", MeshRef("sheet")),), (Collision("touched", MeshRef("sheet")),)
     )
     robot = Robot("sheet", (link,), meshes=(sheet,))
-    files = render(robot, "mjcf", found)
-    assert [d.code for d in found] == ["SB760:flat-collision"]
+    files = render(robot, "mjcf", diagnostics)
+    assert [d.code for d in diagnostics] == ["SB760:flat-collision"]
     assert b'name="touched"' not in files["sheet.xml"]
     model = compiled_from_memory(robot)
     assert model.ngeom == 1

@@ -127,10 +127,10 @@ def test_shapes_of_one_link_with_different_surfaces(tmp_path: Path) -> None:
     robot = chain((PLAIN,))
     shapes = [Collision(f"c{i}", Sphere(0.1), surface=Surface(friction=mu)) for i, mu in enumerate((0.2, 0.9))]
     robot = replace(robot, links=(replace(robot.links[0], collisions=tuple(shapes)),))
-    found = Diagnostics()
-    lowered = lower(robot, FORMATS["urdf"], found)
+    diagnostics = Diagnostics()
+    lowered = lower(robot, FORMATS["urdf"], diagnostics)
     assert {shape.surface.friction for shape in lowered.links[0].collisions} == {0.9}
-    assert [str(one.message) for one in found if one.code.startswith("SB761")] == [
+    assert [str(one.message) for one in diagnostics if one.code.startswith("SB761")] == [
         "URDF: a link has the contact properties of its shape with most friction: 'l0'"
     ]
 

@@ -27,7 +27,7 @@ class ReadFile(Struct, frozen=True, eq=False):
 
 def read_file(step: Path) -> ReadFile:
     """Read a file in the kernel's own process."""
-    found = Diagnostics()
-    assembly = start_reading(step, ReadOptions(refine_mass_to=ACCURACY)).finish(found)
+    diagnostics = Diagnostics()
+    assembly = start_reading(step, ReadOptions(refine_mass_to=ACCURACY)).finish(diagnostics)
     measures = () if assembly is None else tuple(measured(body.mesh) for body in assembly.bodies)
-    return ReadFile(assembly, measures, tuple(found))
+    return ReadFile(assembly, measures, tuple(diagnostics))

@@ -145,13 +145,13 @@ def assert_better(ours: MassProperties, plain: PlainSolid) -> None:
 
 def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> tuple[Robot | None, Diagnostics]:
     """A robot with the whole assembly as one link, and its diagnostics."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     loaded = sidecar(folder, ONE_LINK % mass)
-    robot = robot_of(build_robot(assembly, loaded, lambda: reading.measures, found))
+    robot = robot_of(build_robot(assembly, loaded, lambda: reading.measures, diagnostics))
     if robot is not None:
         robot = share_meshes(robot)
-        check_robot(robot, found, loaded.span(), assembly.unit)
-    return robot, found
+        check_robot(robot, diagnostics, loaded.span(), assembly.unit)
+    return robot, diagnostics
 
 
 @pytest.mark.slow

@@ -39,9 +39,9 @@ def koch(corpus: Path) -> Path:
 
 def read(step: Path) -> Assembly:
     """The assembly of a file without errors."""
-    found = Diagnostics()
-    assembly = start_reading(step, ReadOptions()).finish(found)
-    assert [str(d) for d in found if d.severity == "error"] == []
+    diagnostics = Diagnostics()
+    assembly = start_reading(step, ReadOptions()).finish(diagnostics)
+    assert [str(d) for d in diagnostics if d.severity == "error"] == []
     assert assembly is not None
     return assembly
 

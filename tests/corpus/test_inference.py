@@ -19,10 +19,10 @@ from stepbot.step.reader import read_assembly
 @cache
 def read(step: Path) -> Assembly:
     """An assembly with its faces, meshed coarsely."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     options = ReadOptions(tolerance=MeshTolerance(relative=0.05, angle=0.8), faces=True)
-    assembly = read_assembly(step, options, found)
-    assert assembly is not None, list(found)
+    assembly = read_assembly(step, options, diagnostics)
+    assert assembly is not None, list(diagnostics)
     return assembly
 
 

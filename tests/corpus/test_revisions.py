@@ -24,9 +24,9 @@ def differences(old: Path, new: Path, folder: Path) -> tuple[Difference, ...]:
     """Rows of `stepbot diff` except materials, some of which the kernel's export loses."""
     from stepbot.diagnostics import Diagnostics
 
-    found = Diagnostics()
-    compared = differing_steps(old, new, Options(output=Path(), cache=Cache(folder / "cache")), found)
-    assert compared is not None, list(map(str, found))
+    diagnostics = Diagnostics()
+    compared = differing_steps(old, new, Options(output=Path(), cache=Cache(folder / "cache")), diagnostics)
+    assert compared is not None, list(map(str, diagnostics))
     return compared.rows
 
 

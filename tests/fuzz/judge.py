@@ -99,7 +99,7 @@ def make_robot(
     assembly: Assembly,
     measures: Sequence[VolumeProperties | None],
     sidecar: Sidecar,
-    found: Diagnostics,
+    diagnostics: Diagnostics,
     faults: list[str],
 ) -> bool:
     """Build a robot and render it in all formats, as a conversion does; returns whether there was no error.
@@ -111,18 +111,18 @@ def make_robot(
         found: Receives the diagnostics.
         faults: Receives forbidden results.
     """
-    built = build_robot(assembly, sidecar, lambda: measures, found)
+    built = build_robot(assembly, sidecar, lambda: measures, diagnostics)
     if built is None:
-        faults += [] if found.has_errors else ["no robot, and no error that says why"]
+        faults += [] if diagnostics.has_errors else ["no robot, and no error that says why"]
         return False
     robot = share_meshes(built.robot)
-    check_robot(robot, found)
-    if found.has_errors:
+    check_robot(robot, diagnostics)
+    if diagnostics.has_errors:
         return False
     built.double_counting.report()
     for name in FORMATS:
-        faults += _unsound_files(name, render(robot, name, found), found)
-    return not found.has_errors
+        faults += _unsound_files(name, render(robot, name, diagnostics), diagnostics)
+    return not diagnostics.has_errors
 
 
 def _refusal(trial: _Trial) -> str:
@@ -143,9 +143,9 @@ def _has(trial: _Trial, code: str) -> bool:
 
 
 def _sidecar() -> Sidecar:
-    found = Diagnostics()
-    sidecar = parse_sidecar(_SIDECAR, Path("mutant.robot.yaml"), found)
-    assert sidecar is not None, list(map(str, found))
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(_SIDECAR, Path("mutant.robot.yaml"), diagnostics)
+    assert sidecar is not None, list(map(str, diagnostics))
     return sidecar
 
 
@@ -153,9 +153,9 @@ OF_PYDANTIC = re.compile(r"\binput (should|tag)\b|found using|\w_form\(\)|expect
 """Words of pydantic's messages, which are no diagnostics."""
 
 
-def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
+def unsound_diagnostics(diagnostics: Iterable[Diagnostic]) -> Iterator[str]:
     """Defects of diagnostics: an internal error, no place, more than one printable line."""
-    for diagnostic in found:
+    for diagnostic in diagnostics:
         if diagnostic.code == _INTERNAL:
             yield f"internal error: {diagnostic}"
         if "\n" in diagnostic.message or not diagnostic.message.isprintable():
@@ -170,16 +170,16 @@ def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
             yield f"{diagnostic.code}: a message of pydantic's: {diagnostic.message}"
 
 
-def _without_remedy(found: Iterable[Diagnostic]) -> Iterator[str]:
-    for diagnostic in found:
+def _without_remedy(diagnostics: Iterable[Diagnostic]) -> Iterator[str]:
+    for diagnostic in diagnostics:
         if diagnostic.severity == "error" and not any(diagnostic.help):
             yield f"{diagnostic.code}: no remedy: {diagnostic.message}"
 
 
-def _unsound_files(name: str, files: dict[str, bytes], found: Diagnostics) -> Iterator[str]:
+def _unsound_files(name: str, files: dict[str, bytes], diagnostics: Diagnostics) -> Iterator[str]:
     from lxml import etree
 
-    if not files and not found.has_errors:
+    if not files and not diagnostics.has_errors:
         yield f"{name}: no file, and no error that says why"
     for path, content in files.items():
         if path.endswith(".obj"):

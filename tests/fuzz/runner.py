@@ -27,19 +27,19 @@ SAMPLE = 40
 """Every so many mutants, one is read in both ways: by the fork server, and by a worker."""
 
 
-def read_plainly(step: Path, found: Diagnostics) -> Assembly | None:
+def read_plainly(step: Path, diagnostics: Diagnostics) -> Assembly | None:
     """Read a STEP file as every conversion does: in a new worker, which loads the kernel."""
-    return start_reading(step, ReadOptions(), memory_limit=MEMORY_LIMIT).finish(found, timeout=TIMEOUT)
+    return start_reading(step, ReadOptions(), memory_limit=MEMORY_LIMIT).finish(diagnostics, timeout=TIMEOUT)
 
 
 def reading_by(server: ForkServer) -> Read:
     """The same reading, by a worker forked from a server."""
 
-    def read(step: Path, found: Diagnostics) -> Assembly | None:
+    def read(step: Path, diagnostics: Diagnostics) -> Assembly | None:
         looked = Diagnostics()
         files = check_files(step, str(step), looked)
         worker = None if files is None else server.call(files, ReadOptions())
-        return Reading(worker, None, str(step), looked).finish(found, timeout=TIMEOUT)
+        return Reading(worker, None, str(step), looked).finish(diagnostics, timeout=TIMEOUT)
 
     return read
 

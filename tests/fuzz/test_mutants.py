@@ -132,22 +132,22 @@ def test_judge_accepts_what_is_sound() -> None:
     verdict = judge(Path("box.step"), lambda step, found: _box())
     assert (verdict.outcome, verdict.faults) == ("robot", ())
 
-    def refuse(step: Path, found: Diagnostics) -> None:
-        found.add("SB201", "is not a STEP file", Span(str(step)), help=["export it"])
+    def refuse(step: Path, diagnostics: Diagnostics) -> None:
+        diagnostics.add("SB201", "is not a STEP file", Span(str(step)), help=["export it"])
 
     assert judge(Path("box.step"), refuse).outcome == "refused"
 
 
 def _raise(error: Exception) -> Callable[[Path, Diagnostics], None]:
-    def read(step: Path, found: Diagnostics) -> None:
+    def read(step: Path, diagnostics: Diagnostics) -> None:
         raise error
 
     return read
 
 
 def _say(code: str, message: str, *help: str, file: str = "box.step") -> Callable[[Path, Diagnostics], None]:
-    def read(step: Path, found: Diagnostics) -> None:
-        found.add(code, message, Span(file), help=help)
+    def read(step: Path, diagnostics: Diagnostics) -> None:
+        diagnostics.add(code, message, Span(file), help=help)
 
     return read
 
@@ -155,13 +155,13 @@ def _say(code: str, message: str, *help: str, file: str = "box.step") -> Callabl
 def _bring(diagnostic: Diagnostic) -> Callable[[Path, Diagnostics], None]:
     """Add a diagnostic as a worker does; `Diagnostics.add` rejects line breaks."""
 
-    def read(step: Path, found: Diagnostics) -> None:
-        found.extend([diagnostic])
+    def read(step: Path, diagnostics: Diagnostics) -> None:
+        diagnostics.extend([diagnostic])
 
     return read
 
 
-def _warn(step: Path, found: Diagnostics) -> Assembly:
+def _warn(step: Path, diagnostics: Diagnostics) -> Assembly:
     np.float64(1e308) * np.float64(10.0)
     return _box()
 

@@ -220,8 +220,8 @@ def put_part(place: Path) -> None:
 
 
 def _write(robot: Robot, written_in: str, place: Path) -> None:
-    found = Diagnostics()
-    files = render(share_meshes(robot), written_in, found)
+    diagnostics = Diagnostics()
+    files = render(share_meshes(robot), written_in, diagnostics)
     main, *_ = files
     for path, content in files.items():
         target = place / (f"main.{DESCRIPTIONS[written_in]}" if path == main else path)

@@ -32,35 +32,35 @@ def try_out(mutant: SidecarMutant, bases: Path, folder: Path) -> Verdict:
     """Create a mutant, check it, build the robot if planned, and return the outcome."""
     path = folder / "mutant.robot.yaml"
     path.write_bytes(mutant.content(bases))
-    found, faults, outcome, began = Diagnostics(), list[str](), FAILED, time.process_time()
+    diagnostics, faults, outcome, began = Diagnostics(), list[str](), FAILED, time.process_time()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            sidecar = _checked(path, found)
+            sidecar = _checked(path, diagnostics)
             faults += _took(began, LONGEST_CHECK, "check")
             if sidecar is None:
                 outcome = "refused"
             elif mutant.number % BUILT:
                 outcome = "clean"
             else:
-                robot = make_robot(*assembly_of(bases / mutant.base), sidecar, found, faults)
+                robot = make_robot(*assembly_of(bases / mutant.base), sidecar, diagnostics, faults)
                 outcome = "robot" if robot else "no robot"
                 faults += _took(began, LONGEST, "build")
     except Exception:  # noqa: BLE001 - to find those is what this is for
         faults.append(traceback.format_exc())
-    faults += unsound_diagnostics(found)
-    errors = [diagnostic for diagnostic in found if diagnostic.severity == "error"]
+    faults += unsound_diagnostics(diagnostics)
+    errors = [diagnostic for diagnostic in diagnostics if diagnostic.severity == "error"]
     codes, message = tuple(error.code for error in errors), str(errors[0]) if errors else ""
     return Verdict(FAILED if faults else outcome, codes, message, faults=tuple(faults))
 
 
-def _checked(path: Path, found: Diagnostics) -> Sidecar | None:
-    sidecar = load_sidecar(path, found)
+def _checked(path: Path, diagnostics: Diagnostics) -> Sidecar | None:
+    sidecar = load_sidecar(path, diagnostics)
     if sidecar is None:
-        assert found.has_errors, "no sidecar, and no error that says why"
+        assert diagnostics.has_errors, "no sidecar, and no error that says why"
         return None
-    check_sidecar(sidecar, found)
-    return None if found.has_errors else sidecar
+    check_sidecar(sidecar, diagnostics)
+    return None if diagnostics.has_errors else sidecar
 
 
 def _took(began: float, longest: float, what: str) -> list[str]:

@@ -62,18 +62,20 @@ def scored(kit: Kit) -> Result:
     return compared(kit, infer_mechanism(assembly), by_path)
 
 
-def compared(kit: Kit, found: InferredMechanism, by_path: Mapping[str, str]) -> Result:
+def compared(kit: Kit, inferred: InferredMechanism, by_path: Mapping[str, str]) -> Result:
     """Compare what was inferred of a drawn mechanism with its truth: the link of each part, by its path."""
-    assert {found.root, *(arc.child for arc in found.arcs)} == set(range(len(found.links))), "a link is not connected"
-    link_of = {i: by_path[part.path] for i, part in found.survey.parts.items() if by_path[part.path] != SCREWS}
-    one = list(range(len(found.links)))
-    for arc in found.arcs:
+    assert {inferred.root, *(arc.child for arc in inferred.arcs)} == set(range(len(inferred.links))), (
+        "a link is not connected"
+    )
+    link_of = {i: by_path[part.path] for i, part in inferred.survey.parts.items() if by_path[part.path] != SCREWS}
+    one = list(range(len(inferred.links)))
+    for arc in inferred.arcs:
         if arc.evidence.type == JointKind.FIXED:
             one = [one[arc.parent] if n == one[arc.child] else n for n in one]
-    drafted = {i: one[n] for n, members in enumerate(found.links) for i in members}
+    drafted = {i: one[n] for n, members in enumerate(inferred.links) for i in members}
     shared: dict[tuple[int, str], float] = defaultdict(float)
     for i, link in link_of.items():
-        shared[drafted[i], link] += found.survey.parts[i].volume
+        shared[drafted[i], link] += inferred.survey.parts[i].volume
     means: dict[int, str] = {}
     home: dict[str, int] = {}
     for n, link in sorted(shared, key=lambda key: (-shared[key], key)):
@@ -82,15 +84,15 @@ def compared(kit: Kit, found: InferredMechanism, by_path: Mapping[str, str]) -> 
         home.setdefault(link, n)
     total = sum(shared.values())
     right = sum(volume for (n, link), volume in shared.items() if means.get(n) == link)
-    result = Result(1, len(kit.joints), volume=right / total, roots=means.get(one[found.root]) == kit.root)
-    _match(kit, found, one, means, home, result)
+    result = Result(1, len(kit.joints), volume=right / total, roots=means.get(one[inferred.root]) == kit.root)
+    _match(kit, inferred, one, means, home, result)
     return result
 
 
 def _match(
-    kit: Kit, found: InferredMechanism, one: list[int], means: dict[int, str], home: dict[str, int], result: Result
+    kit: Kit, inferred: InferredMechanism, one: list[int], means: dict[int, str], home: dict[str, int], result: Result
 ) -> None:
-    moving = [arc for arc in found.arcs if arc.evidence.type != JointKind.FIXED]
+    moving = [arc for arc in inferred.arcs if arc.evidence.type != JointKind.FIXED]
     right: set[int] = set()
     for joint in kit.joints:
         wanted = {joint.a, joint.b}

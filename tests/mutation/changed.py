@@ -53,9 +53,9 @@ def _build(name: str) -> Robot:
     return robot
 
 
-def share(found: Sequence[Noticed], by: str) -> float:
+def share(noticed: Sequence[Noticed], by: str) -> float:
     """The share of changes detected ``by_verify`` or ``by_conversion``."""
-    return sum(bool(getattr(one, by)) for one in found) / len(found)
+    return sum(bool(getattr(one, by)) for one in noticed) / len(noticed)
 
 
 def section(found: Sequence[Noticed], command: str) -> str:

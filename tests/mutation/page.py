@@ -41,9 +41,9 @@ class Row(Struct, frozen=True):
     core: bool
     """Whether only the engines of the core install count."""
 
-    def counted(self, found: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
+    def counted(self, verdicts: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
         """The removals that count for this row, each with whether it was detected."""
-        core = [one for one in found if not one.removal.unread and one.format in self.formats]
+        core = [one for one in verdicts if not one.removal.unread and one.format in self.formats]
         return [(one, one.noticed.startswith(CORE[one.format]) if self.core else bool(one.noticed)) for one in core]
 
 
@@ -100,42 +100,42 @@ def write_section(heading: str, text: str) -> None:
     PAGE.write_text(whole, encoding="utf-8", newline="\n")
 
 
-def unread_by_core(found: Sequence[Verdict]) -> list[str]:
+def unread_by_core(verdicts: Sequence[Verdict]) -> list[str]:
     """Robots whose SDFormat PyBullet cannot read."""
-    return sorted({one.robot for one in found if one.format == "sdf" and "pybullet" not in one.readers})
+    return sorted({one.robot for one in verdicts if one.format == "sdf" and "pybullet" not in one.readers})
 
 
-def counted(row: Row, found: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
+def counted(row: Row, verdicts: Sequence[Verdict]) -> list[tuple[Verdict, bool]]:
     """The counted removals of a row, without files that none of its engines reads."""
-    alone = set(unread_by_core(found)) if row.core and "sdf" in row.formats else set()
-    return [(one, seen) for one, seen in row.counted(found) if one.robot not in alone]
+    alone = set(unread_by_core(verdicts)) if row.core and "sdf" in row.formats else set()
+    return [(one, seen) for one, seen in row.counted(verdicts) if one.robot not in alone]
 
 
-def share(row: Row, found: Sequence[Verdict]) -> float:
+def share(row: Row, verdicts: Sequence[Verdict]) -> float:
     """The share of detected removals."""
-    seen = [noticed for _, noticed in counted(row, found)]
+    seen = [noticed for _, noticed in counted(row, verdicts)]
     return sum(seen) / len(seen)
 
 
-def page(found: Sequence[Verdict], of_each: int | None) -> str:
+def page(verdicts: Sequence[Verdict], of_each: int | None) -> str:
     """The page."""
     engines = ", ".join(f"{name} {version(name)}" for name in ("yourdfpy", "mujoco", "pybullet", "drake"))
     command = "python -m tests.mutation.page" + (f" --of-each {of_each}" if of_each else "")
     what = f"{of_each} of each file, drawn at random and the same in every run" if of_each else "all of each file"
     text = _HEAD.format(command=command, what=what, engines=engines)
     for row in ROWS:
-        seen = [noticed for _, noticed in counted(row, found)]
-        text += f"| {row.title} | {row.engines} | {len(seen)} | {sum(seen)} | {share(row, found):.1%} | "
+        seen = [noticed for _, noticed in counted(row, verdicts)]
+        text += f"| {row.title} | {row.engines} | {len(seen)} | {sum(seen)} | {share(row, verdicts):.1%} | "
         text += f"{row.wanted:.0%} |\n"
-    unread = Counter(one.format for one in found if one.removal.unread)
+    unread = Counter(one.format for one in verdicts if one.removal.unread)
     counts = ", ".join(f"{unread[name]} in {name}" for name in UNREAD if unread[name]) or "none"
-    alone = ", ".join(f"`{name}`" for name in unread_by_core(found)) or "none"
+    alone = ", ".join(f"`{name}`" for name in unread_by_core(verdicts)) or "none"
     text += _UNREAD.format(counts=counts, alone=alone) + _SURVIVORS
-    return text + "".join(f"{line}\n" for row in ROWS for line in _survivors(row, found))
+    return text + "".join(f"{line}\n" for row in ROWS for line in _survivors(row, verdicts))
 
 
-def _survivors(row: Row, found: Sequence[Verdict]) -> Iterator[str]:
-    lost = Counter((one.format, one.removal.kind) for one, seen in counted(row, found) if not seen)
+def _survivors(row: Row, verdicts: Sequence[Verdict]) -> Iterator[str]:
+    lost = Counter((one.format, one.removal.kind) for one, seen in counted(row, verdicts) if not seen)
     for (format_, kind), count in sorted(lost.items(), key=lambda entry: (-entry[1], entry[0])):
         yield f"| {row.title} | {row.engines} | `{kind}` | {count} | {reason_for(format_, kind, core=row.core)} |"
 

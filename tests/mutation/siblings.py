@@ -103,7 +103,7 @@ class Siblings:
     def by_verify(self, changed: Mapping[str, Path]) -> str:
         """The first error of `stepbot verify` for the files, with some replaced; empty if there is none."""
         formats = {changed.get(name, path): name for name, path in self.files.items()}
-        found = Diagnostics()
+        diagnostics = Diagnostics()
         places, probe = {path: path for path in formats}, Probe(self._probed)
         asked = ask(formats, places, probe, probe.files(formats, places), count=CONFIGURATIONS, seconds=0.0)
         outcomes = [
@@ -111,8 +111,8 @@ class Siblings:
             for key, request in asked.requests.items()
             for engine in engines_for(request.format)
         ]
-        judge(outcomes, asked, found)
-        return next((f"{one.code}: {one.message[:200]}" for one in found if one.severity == "error"), "")
+        judge(outcomes, asked, diagnostics)
+        return next((f"{one.code}: {one.message[:200]}" for one in diagnostics if one.severity == "error"), "")
 
     def by_conversion(self, written_in: str, path: Path) -> str:
         """The first difference that an engine or parser reports between a file and the converted robot."""

@@ -157,11 +157,11 @@ def test_changed_numbers_of_the_library_are_noticed(tmp_path: Path) -> None:
     _assert_noticed(found)
 
 
-def _assert_noticed(found: Sequence[Noticed]) -> None:
-    assert [line for line in section(found, "command").splitlines() if NO_REASON in line] == []
+def _assert_noticed(noticed: Sequence[Noticed]) -> None:
+    assert [line for line in section(noticed, "command").splitlines() if NO_REASON in line] == []
     for by in ("by_verify", "by_conversion"):
-        lost = [f"{one.format}: {one.change.path} {one.change.old}" for one in found if not getattr(one, by)]
-        assert 1.0 - len(lost) / len(found) >= WANTED, lost
+        lost = [f"{one.format}: {one.change.path} {one.change.old}" for one in noticed if not getattr(one, by)]
+        assert 1.0 - len(lost) / len(noticed) >= WANTED, lost
 
 
 def test_the_page_is_there() -> None:

@@ -63,13 +63,13 @@ def _answered(assembly: Assembly, random: Random) -> object:
 
 def _built(assembly: Assembly, text: str) -> object:
     """The robot of a draft, and what is reported of it; of drawn meshes the exact bodies count as measured."""
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("drawn.robot.yaml"), found)
-    assert sidecar is not None, list(found)
-    built = build_robot(assembly, sidecar, lambda: [body.exact for body in assembly.bodies], found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("drawn.robot.yaml"), diagnostics)
+    assert sidecar is not None, list(diagnostics)
+    built = build_robot(assembly, sidecar, lambda: [body.exact for body in assembly.bodies], diagnostics)
     if built is not None:
         built.double_counting.report(60.0)
-    return [str(one) for one in found], built and (built.robot, built.joint_table)
+    return [str(one) for one in diagnostics], built and (built.robot, built.joint_table)
 
 
 def _results_of(kind: str, seed: int, noise: float) -> dict[str, object]:

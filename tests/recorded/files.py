@@ -61,13 +61,13 @@ def _written(build: Callable[[], Robot], given: Options, _noise: float) -> dict[
     for of in FORMATS:
         programs = tuple(name for name, needed in _PROGRAMS.items() if needed == of) if given.ros2 else ()
         options = given._replace(formats=(of,), programs=programs)
-        found, files = Diagnostics(), dict[str, bytes]()
+        diagnostics, files = Diagnostics(), dict[str, bytes]()
         try:
-            written = rendered(robot, (FORMATS[of],), options, found)
-            files = all_files(written, proven(written, None, options, found), options, found)
+            written = rendered(robot, (FORMATS[of],), options, diagnostics)
+            files = all_files(written, proven(written, None, options, diagnostics), options, diagnostics)
         except StepbotError as error:
-            found.extend(error.diagnostics)
-        all_of_them[of] = files, [str(one) for one in found]
+            diagnostics.extend(error.diagnostics)
+        all_of_them[of] = files, [str(one) for one in diagnostics]
     return all_of_them
 
 

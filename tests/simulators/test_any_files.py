@@ -47,10 +47,10 @@ def _failed(report: Report) -> set[tuple[str, str]]:
 
 def _is_another_robot(name: str, format_: str) -> bool:
     """Whether a format that is not a default one reports a loss: a mimic left out, a stand-in for a missing mass."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     if format_ in FORMATS and not FORMATS[format_].default:
-        lower(ROBOTS[name](), FORMATS[format_], found)
-    return any(diagnostic.severity == "warning" for diagnostic in found)
+        lower(ROBOTS[name](), FORMATS[format_], diagnostics)
+    return any(diagnostic.severity == "warning" for diagnostic in diagnostics)
 
 
 @pytest.mark.slow
@@ -66,10 +66,10 @@ def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
     skip_without("mujoco")
     robot = ROBOTS[name]()
     folder = write(robot, tmp_path)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     same = [one.path for format_, one in folder.written.items() if not _is_another_robot(name, format_)]
-    report = verify_files(same, found, workers=Workers(120.0))
-    assert not list(found)
+    report = verify_files(same, diagnostics, workers=Workers(120.0))
+    assert not list(diagnostics)
     assert not report.failed
     names = {row.name for row in report.joint_table}
     assert "" not in names
@@ -84,24 +84,24 @@ def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.usefixtures("brief")
-def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics) -> None:
+def test_a_difference_between_files_is_found(arm: Folder, diagnostics: ReadDiagnostics) -> None:
     """Another mass in one file is reported with both files, the quantity, the link and the number."""
     skip_without("mujoco")
     right = arm.written["urdf"].path
     wrong = _copy(arm, "mjcf", "heavy.xml", ('mass="0.972', 'mass="0.973'))
-    report = verify_files([right, wrong], found, workers=Workers(120.0))
+    report = verify_files([right, wrong], diagnostics, workers=Workers(120.0))
     assert ("mujoco", "mass") in _failed(report)
     assert ("mujoco", "poses") not in _failed(report)
-    masses = next(one for one in found if one.code == "SB803" and ": mass: " in one.message)
+    masses = next(one for one in diagnostics if one.code == "SB803" and ": mass: " in one.message)
     assert masses.span.file == wrong.as_posix()
     assert masses.message.startswith(
         f"mujoco against {right.as_posix()} (mujoco): mass: mass of link 'upper_arm': 0.001 kg"
     )
-    assert found.exit_code == 1
+    assert diagnostics.exit_code == 1
 
 
 @pytest.mark.usefixtures("brief")
-def test_a_mass_that_one_engine_invents(arm: Folder, found: ReadDiagnostics) -> None:
+def test_a_mass_that_one_engine_invents(arm: Folder, diagnostics: ReadDiagnostics) -> None:
     """A link without ``<inertial>`` has no mass, and 1 kg in PyBullet: a warning, and the rest is compared."""
     for engine in ("mujoco", "pybullet"):
         skip_without(engine)
@@ -112,36 +112,36 @@ def test_a_mass_that_one_engine_invents(arm: Folder, found: ReadDiagnostics) -> 
     assert zero in inertial
     path = arm.written["urdf"].path.with_name("no_inertial.urdf")
     path.write_text(text[:start] + text[start + len(inertial) :], encoding="utf-8")
-    report = verify_files([path], found, workers=Workers(120.0))
+    report = verify_files([path], diagnostics, workers=Workers(120.0))
     assert _failed(report) == {("pybullet", "warnings")}
-    assert found.codes() == ["SB813"]
-    assert "1 kg for a link without <inertial>; compared with 0: tool0" in str(next(iter(found)))
+    assert diagnostics.codes() == ["SB813"]
+    assert "1 kg for a link without <inertial>; compared with 0: tool0" in str(next(iter(diagnostics)))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics) -> None:
+def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, diagnostics: ReadDiagnostics) -> None:
     """Two roots crash PyBullet; the results of the other engines are still reported."""
     skip_without("pybullet")
     path = _copy(arm, "urdf", "two_roots.urdf", ('<link name="base">', '<link name="other"/><link name="base">'))
-    report = verify_files([path], found, workers=Workers(120.0))
+    report = verify_files([path], diagnostics, workers=Workers(120.0))
     assert ("pybullet", "load") in _failed(report)
-    (death,) = (diagnostic for diagnostic in found if diagnostic.code == "SB802")
+    (death,) = (diagnostic for diagnostic in diagnostics if diagnostic.code == "SB802")
     assert death.message == "pybullet: killed by SIGSEGV"
     assert any("multiple root links" in note for note in death.notes)
 
 
-def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_files_that_are_none(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A missing file, one that is not XML, and another kind of XML are reported; the others are verified."""
     (tmp_path / "broken.urdf").write_text("<robot", encoding="utf-8")
     (tmp_path / "page.xml").write_text("<html/>", encoding="utf-8")
     (tmp_path / "empty.sdf").write_bytes(b"")
     (tmp_path / "step.xml").write_text("ISO-10303-21;", encoding="utf-8")
     names = ("missing.urdf", "broken.urdf", "page.xml", "empty.sdf", "step.xml")
-    report = verify_files([tmp_path / name for name in names], found)
-    (line,) = (one for one in found if one.span.file.endswith("step.xml"))
+    report = verify_files([tmp_path / name for name in names], diagnostics)
+    (line,) = (one for one in diagnostics if one.span.file.endswith("step.xml"))
     assert line.span.line == 1
     assert "correct this line" in line.help[0]
-    codes = {diagnostic.span.file.rsplit("/", 1)[1]: diagnostic.code for diagnostic in found}
+    codes = {diagnostic.span.file.rsplit("/", 1)[1]: diagnostic.code for diagnostic in diagnostics}
     assert codes.pop("missing.urdf") == "SB001"
     assert codes.pop("page.xml") == "SB814"
     assert codes.pop("empty.sdf") == "SB814"
@@ -151,15 +151,15 @@ def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 def test_a_required_engine_that_is_unknown_or_missing(
-    arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    arm: Folder, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An unknown or missing required engine is SB005, with a similar name, and exit code 2."""
     monkeypatch.setattr(engine_of("mujoco"), "available", lambda: "mujoco is not installed")
-    report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), workers=Workers(120.0))
-    unknown, missing = (diagnostic for diagnostic in found if diagnostic.code == "SB005")
+    report = verify_files([arm.written["mjcf"].path], diagnostics, require=("mujoko", "mujoco"), workers=Workers(120.0))
+    unknown, missing = (diagnostic for diagnostic in diagnostics if diagnostic.code == "SB005")
     assert unknown.help == ("did you mean 'mujoco'?",)
     assert missing.message == "--require mujoco: mujoco is not installed"
-    assert found.exit_code == 2
+    assert diagnostics.exit_code == 2
     assert all(check.status is not Status.PASSED for check in report.checks if check.engine == "mujoco")
 
 
@@ -173,46 +173,46 @@ def test_a_required_engine_that_is_unknown_or_missing(
     ],
 )
 def test_a_missing_required_engine_names_its_package(
-    engine: str, install: str, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    engine: str, install: str, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SB005 names the package to install, which may differ from the engine's name."""
     monkeypatch.setattr(engine_of(engine), "available", lambda: f"{engine} is not installed")
-    check_required((engine,), found)
-    (missing,) = found
+    check_required((engine,), diagnostics)
+    (missing,) = diagnostics
     assert (missing.code, missing.help) == ("SB005", (install,))
 
 
 def test_a_file_without_an_engine_is_a_warning(
-    arm: Folder, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    arm: Folder, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A file without an engine that reads it is a warning, since nothing passed."""
     for engine in engines():
         monkeypatch.setattr(engine, "available", lambda: "not installed")
-    report = verify_files([arm.written["mjcf"].path], found)
-    assert found.codes() == ["SB815"]
+    report = verify_files([arm.written["mjcf"].path], diagnostics)
+    assert diagnostics.codes() == ["SB815"]
     assert {check.status for check in report.checks} == {Status.NOT_RUN}
 
 
 @pytest.mark.usefixtures("brief")
 def test_the_same_file_twice_is_one(arm: Folder) -> None:
     """A path given twice is not compared with itself."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     path = arm.written["sdf"].path
-    report = verify_files([path, path], found, workers=Workers(120.0))
-    assert not list(found)
+    report = verify_files([path, path], diagnostics, workers=Workers(120.0))
+    assert not list(diagnostics)
     assert {check.against for check in report.checks} == {"itself", "reader"} & ({"itself"} | INSTALLED)
 
 
 @pytest.mark.usefixtures("brief")
 def test_names_of_files_are_those_of_the_user(
-    arm: Folder, monkeypatch: pytest.MonkeyPatch, found: ReadDiagnostics
+    arm: Folder, monkeypatch: pytest.MonkeyPatch, diagnostics: ReadDiagnostics
 ) -> None:
     """Relative paths stay relative in checks and messages."""
     monkeypatch.chdir(arm.path)
     name = arm.written["sdf"].path.name
-    report = verify_files([Path(name)], found, workers=Workers(120.0))
+    report = verify_files([Path(name)], diagnostics, workers=Workers(120.0))
     assert {check.file for check in report.checks} == {name}
-    assert not found.codes()
+    assert not diagnostics.codes()
 
 
 @pytest.mark.slow
@@ -235,16 +235,16 @@ def test_names_of_files_are_those_of_the_user(
 )
 @pytest.mark.usefixtures("brief")
 def test_a_number_that_one_engine_reads_is_compared(
-    written_in: str, old: str, new: str, quantity: str, where: str, arm: Folder, found: ReadDiagnostics
+    written_in: str, old: str, new: str, quantity: str, where: str, arm: Folder, diagnostics: ReadDiagnostics
 ) -> None:
     """Each quantity is compared across files by an engine that reads it, not only by the first engine."""
     skip_without("mujoco")
     skip_without("yourdfpy")
     changed = _copy(arm, written_in, f"changed.{written_in}", (old, new))
     files = [changed if name == written_in else arm.written[name].path for name in ("urdf", "sdf", "mjcf")]
-    report = verify_files(files, found, workers=Workers(120.0))
+    report = verify_files(files, diagnostics, workers=Workers(120.0))
     assert quantity in {name for _, name in _failed(report)}
-    assert any(where in diagnostic.message + "".join(diagnostic.notes) for diagnostic in found)
+    assert any(where in diagnostic.message + "".join(diagnostic.notes) for diagnostic in diagnostics)
 
 
 @pytest.mark.slow
@@ -252,7 +252,7 @@ def test_a_number_that_one_engine_reads_is_compared(
 @pytest.mark.parametrize("side", ["a", pytest.param("b", marks=pytest.mark.long)])
 @pytest.mark.usefixtures("brief")
 def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
-    side: str, tmp_path: Path, found: ReadDiagnostics
+    side: str, tmp_path: Path, diagnostics: ReadDiagnostics
 ) -> None:
     """A moved site in the MJCF differs from the closing joint of the SDFormat, even if the first file is a URDF."""
     skip_without("mujoco")
@@ -263,17 +263,17 @@ def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     site = f'<site name="rocker_pin::{side}" class="mark" pos="'
     moved = _copy(folder, "mjcf", "moved.xml", (f"{site}{place}", f"{site}{' '.join([str(float(x) + 1e-6), *rest])}"))
     report = verify_files(
-        [folder.written["urdf"].path, folder.written["sdf"].path, moved], found, workers=Workers(120.0)
+        [folder.written["urdf"].path, folder.written["sdf"].path, moved], diagnostics, workers=Workers(120.0)
     )
     assert _failed(report) == {("mujoco", "closures")}
-    (wrong,) = found
+    (wrong,) = diagnostics
     assert f"closure 'rocker_pin', point on link {side}: 1e-06 m off" in wrong.notes[0]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("other", [Surface(friction=0.7), Surface(restitution=0.4)])
 def test_formats_with_one_surface_per_link_have_that_with_most_friction(
-    other: Surface, tmp_path: Path, found: ReadDiagnostics
+    other: Surface, tmp_path: Path, diagnostics: ReadDiagnostics
 ) -> None:
     """A URDF of stepbot's was another robot than its own MJCF, unless all shapes of a link had one surface."""
     robot = two_link_arm()
@@ -285,10 +285,10 @@ def test_formats_with_one_surface_per_link_have_that_with_most_friction(
     mixed = tuple(replace(link, collisions=shapes) if one is link else one for one in robot.links)
     folder = write(replace(robot, links=mixed), tmp_path)
     files = [folder.written[name].path for name in ("urdf", "sdf", "mjcf")]
-    assert not _failed(verify_files(files, found))
+    assert not _failed(verify_files(files, diagnostics))
     text = files[0].read_text(encoding="utf-8")
     files[0].write_text(text.replace('lateral_friction value="0.9"', 'lateral_friction value="0.7"'), encoding="utf-8")
-    assert _failed(verify_files(files, found))
+    assert _failed(verify_files(files, diagnostics))
 
 
 _TURNED = """<mujoco model="turned"><compiler angle="radian"/><option timestep="0.001"/>
@@ -302,10 +302,10 @@ _TURNED = """<mujoco model="turned"><compiler angle="radian"/><option timestep="
 
 
 @pytest.mark.slow
-def test_a_file_is_simulated_from_its_initial_pose(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_file_is_simulated_from_its_initial_pose(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """At 0 the joints of a mimic with an offset are far apart, and MuJoCo's simulation diverges."""
     (tmp_path / "turned.xml").write_text(_TURNED, encoding="utf-8")
-    assert not _failed(verify_files([tmp_path / "turned.xml"], found))
+    assert not _failed(verify_files([tmp_path / "turned.xml"], diagnostics))
 
 
 _PARTS = (
@@ -322,7 +322,9 @@ _ORDERED = """<mujoco model="ordered"><worldbody><body name="base"><geom size="0
 
 @pytest.mark.slow
 @pytest.mark.parametrize("changed", ["", "0.1 1", "0.2 1", "0.3", "0.4"])
-def test_order_of_constraints_and_actuators_means_nothing(changed: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_order_of_constraints_and_actuators_means_nothing(
+    changed: str, tmp_path: Path, diagnostics: ReadDiagnostics
+) -> None:
     """Constraints without names, and controls of a keyframe, are compared by what they relate, not by their number."""
     joint = '<body name="{0}"><joint name="{0}" axis="0 1 0"/><geom size="0.01" pos="0.1 0 0"/></body>'
     bodies = "".join(map(joint.format, "abcd"))
@@ -330,4 +332,4 @@ def test_order_of_constraints_and_actuators_means_nothing(changed: str, tmp_path
     swapped = [other[index] for index in (1, 0, 3, 2, 5, 4)]
     for name, parts in (("a.xml", _PARTS), ("b.xml", swapped)):
         (tmp_path / name).write_text(_ORDERED.format(*parts, bodies=bodies), encoding="utf-8")
-    assert bool(_failed(verify_files([tmp_path / "a.xml", tmp_path / "b.xml"], found))) == bool(changed)
+    assert bool(_failed(verify_files([tmp_path / "a.xml", tmp_path / "b.xml"], diagnostics))) == bool(changed)

@@ -73,14 +73,14 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Folder]
 
 def differences(*files: Path) -> dict[str, list[str]]:
     """Differences between files, by quantity: the message and its notes."""
-    found = Diagnostics()
-    report = verify_files(files, found)
+    diagnostics = Diagnostics()
+    report = verify_files(files, diagnostics)
     across = [check for check in report.checks if check.against not in ("itself", *ENGINES)]
     assert {"links", "joints", "poses", "mass matrix", "gravity forces", "inverse dynamics"} <= {
         check.quantity for check in across if check.status is not Status.NOT_RUN
     }
     failed = {check.quantity for check in report.checks if check.status is Status.FAILED}
-    reported = {one.message.split(": ")[1]: [one.message.split(": ", 2)[2], *one.notes] for one in found}
+    reported = {one.message.split(": ")[1]: [one.message.split(": ", 2)[2], *one.notes] for one in diagnostics}
     assert set(reported) == failed
     return reported
 

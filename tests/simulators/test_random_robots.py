@@ -31,9 +31,9 @@ _LIMIT = Limit(-3.0, 3.0, 1.0, 2.0)
 
 def _misread(robot: Robot, folder: Path, formats: Sequence[str] = FORMATS) -> dict[str, list[str]]:
     """By format and engine, what an engine reports differently; passive simulation aside, which may be unstable."""
-    found = Diagnostics()
-    check_robot(robot, found)
-    assert not found.has_errors, list(found)
+    diagnostics = Diagnostics()
+    check_robot(robot, diagnostics)
+    assert not diagnostics.has_errors, list(diagnostics)
     written = write(robot, folder)
     wrong = {}
     for written_in in formats:

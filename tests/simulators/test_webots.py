@@ -76,9 +76,9 @@ def test_a_motor_has_the_limits_of_its_joint_and_actuator() -> None:
 def test_hinges_without_valid_stops_have_none(lower_: float, upper: float) -> None:
     """Webots allows stops from -180° to 0 and from 0 to 180°: for others there is a warning, and the motor's limits."""
     joint = two_link_arm().joints[-1].name
-    robot, found = driven(two_link_arm(), joint, lower=lower_, upper=upper), Diagnostics()
-    lower(robot, WEBOTS, found)
-    assert [joint in one.message for one in found if one.code == "SB760:far-limit"] == [True]
+    robot, diagnostics = driven(two_link_arm(), joint, lower=lower_, upper=upper), Diagnostics()
+    lower(robot, WEBOTS, diagnostics)
+    assert [joint in one.message for one in diagnostics if one.code == "SB760:far-limit"] == [True]
     nodes = all_nodes(proto(robot))
     assert "minStop" not in parameters_of(nodes, joint).fields
     (motor,) = (node for node in nodes if node.type == "RotationalMotor")

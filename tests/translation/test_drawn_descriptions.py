@@ -73,10 +73,10 @@ def _rewritten(seed: int, written_in: str, folder: Path) -> None:
     write_atomically(files, folder / "as_stepbot")
     others = rewritten(written_in, files[name], random)
     write_atomically({**files, **others}, folder / "as_others")
-    description, found = folder / "as_others" / next(iter(others)), Diagnostics()
+    description, diagnostics = folder / "as_others" / next(iter(others)), Diagnostics()
     assert not _errors_of(description, folder / "out")
-    differences = differing_robots(folder / "as_stepbot" / name, description, Options(folder), found)
-    assert differences is not None, list(found)
+    differences = differing_robots(folder / "as_stepbot" / name, description, Options(folder), diagnostics)
+    assert differences is not None, list(diagnostics)
     assert {one.name for one in differences.rows} <= {"frame 'a' is new", "frame 'b' is new"}
 
 

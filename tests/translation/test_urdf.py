@@ -113,14 +113,14 @@ def test_misreading_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 @pytest.mark.slow
-def test_check_reads_the_source(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_check_reads_the_source(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """`check` reports the losses of a conversion, and the missing package as an error."""
     path = write_arm(tmp_path)
-    checked = check(path, options_of(tmp_path), found)
+    checked = check(path, options_of(tmp_path), diagnostics)
     assert (checked.links, checked.joints) == (4, 3)
     assert [row.name for row in checked.joint_table] == ["shoulder", "slide", "follower"]
     assert checked.joint_table[0].origin == (0.0, 0.0, 0.05)
-    assert found.codes() == ["SB860"]
+    assert diagnostics.codes() == ["SB860"]
     lost = ReadDiagnostics()
     check(path, Options(tmp_path / "out"), lost)
     assert "SB861" in lost.codes()

@@ -179,9 +179,9 @@ def test_engines_that_do_not_move_a_joint_are_not_compared(tmp_path: Path) -> No
     table = _joint("table", "planar", "base", "table", '<axis xyz="0 1 0"/>')
     path = tmp_path / "table.urdf"
     path.write_text(f'<robot name="r">{_link("base")}{_link("table")}{table}</robot>', encoding="utf-8")
-    found = Diagnostics()
-    report = verify_files([path], found)
-    assert found.exit_code == 0, list(map(str, found))
+    diagnostics = Diagnostics()
+    report = verify_files([path], diagnostics)
+    assert diagnostics.exit_code == 0, list(map(str, diagnostics))
     reasons = {check.engine: check.why for check in report.checks if check.quantity in ("load", "poses")}
     assert reasons["pybullet"] == "PyBullet does not move these joints: 'table' (planar)"
     assert reasons["yourdfpy"] == "yourdfpy does not move these joints: 'table' (planar)"
@@ -220,10 +220,10 @@ def test_bases_on_a_link_world_stay_where_they_are(tmp_path: Path, bases: int, c
     source = tmp_path / "source.urdf"
     moved = tmp_path / "moved.urdf"
     moved.write_text(source.read_text().replace('xyz="0.1 0.2 0.3"', 'xyz="0.1 0.2 0.31"', 1))
-    found = Diagnostics()
-    verify_files([source, moved], found, workers=Options(tmp_path).workers)
+    diagnostics = Diagnostics()
+    verify_files([source, moved], diagnostics, workers=Options(tmp_path).workers)
     is_place = bases == 1 and not content  # of the one base in the world
-    assert any("poses" in one.message for one in found) != is_place
+    assert any("poses" in one.message for one in diagnostics) != is_place
 
 
 @pytest.mark.parametrize("q", [0.0, 0.7])

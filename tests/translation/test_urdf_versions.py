@@ -125,19 +125,19 @@ def newest() -> Robot:
 def test_writing_what_the_versions_have() -> None:
     """Version 1.2 is written with quaternions, a capsule and all limits; 1.1 without its limits; 1.0 as ever."""
     robot = newest()
-    found = Diagnostics()
-    top = ET.fromstring(render(robot, "urdf", found)[f"{robot.name}.urdf"])
-    assert not {one.code for one in found} & {"SB763:capsule", "SB760:acceleration"}
+    diagnostics = Diagnostics()
+    top = ET.fromstring(render(robot, "urdf", diagnostics)[f"{robot.name}.urdf"])
+    assert not {one.code for one in diagnostics} & {"SB763:capsule", "SB760:acceleration"}
     assert top.get("version") == "1.2"
     assert top.find(".//capsule") is not None
     assert not top.findall(".//origin[@rpy]")
     limits = top.findall("joint/limit")[-1].attrib
     assert [limits[name] for name in ("acceleration", "deceleration", "jerk")] == ["8", "9", "70"]
     for version, codes in ((1.1, {"SB760:acceleration"}), (1.0, {"SB760:acceleration", "SB763:capsule"})):
-        found = Diagnostics()
+        diagnostics = Diagnostics()
         older = replace(robot, versions=FormatVersions(urdf=version))
-        text = render(older, "urdf", found)[f"{robot.name}.urdf"].decode()
-        assert {one.code for one in found} & {"SB763:capsule", "SB760:acceleration"} == codes
+        text = render(older, "urdf", diagnostics)[f"{robot.name}.urdf"].decode()
+        assert {one.code for one in diagnostics} & {"SB763:capsule", "SB760:acceleration"} == codes
         assert ("quat_xyzw" in text, "<capsule" in text, "jerk" in text) == (version > 1.0, version > 1.0, False)
 
 
@@ -168,12 +168,12 @@ def test_joints_without_an_acceleration_have_that_which_their_efforts_allow() ->
     driven = replace(first, limit=replace(first.limit, effort=200.0))
     robot = replace(robot, joints=(*robot.joints[:-2], driven, stated), versions=FormatVersions(urdf=1.2))
     expected = accelerations(robot)
-    found = Diagnostics()
-    top = ET.fromstring(render(robot, "urdf", found)[f"{robot.name}.urdf"])
+    diagnostics = Diagnostics()
+    top = ET.fromstring(render(robot, "urdf", diagnostics)[f"{robot.name}.urdf"])
     written = {joint.get("name"): joint.find("limit") for joint in top.findall("joint")}
     assert float(written[first.name].get("acceleration")) == expected[first.name] > 0.0
     assert written[second.name].get("acceleration") == "8"
-    (note,) = [one for one in found if one.code == "SB763:acceleration"]
+    (note,) = [one for one in diagnostics if one.code == "SB763:acceleration"]
     assert f"'{first.name}'" in note.message
     assert second.name not in note.message
     older = Diagnostics()

@@ -88,45 +88,45 @@ def test_a_robot_is_converted_with_its_arguments(legs: Path, tmp_path: Path) -> 
 @pytest.mark.slow
 def test_two_files_are_compared_with_their_macros_expanded(legs: Path, tmp_path: Path) -> None:
     """Engines load what a xacro expands to; only an argument differs from the expanded file."""
-    found, workers, xacro = Diagnostics(), Options(tmp_path).workers, (("length", "0.25"),)
-    report = verify_files([legs], found, workers=workers, xacro=xacro)
-    assert not found.has_errors, list(map(str, found))
+    diagnostics, workers, xacro = Diagnostics(), Options(tmp_path).workers, (("length", "0.25"),)
+    report = verify_files([legs], diagnostics, workers=workers, xacro=xacro)
+    assert not diagnostics.has_errors, list(map(str, diagnostics))
     assert {check.engine for check in report.checks if check.status == "passed"} >= {"mujoco", "yourdfpy"}
     plain = tmp_path / "legs.urdf"
     plain.write_bytes(expanded(legs, length="0.25").text)
     for given, masses in ((xacro, []), ((), [0.5, 0.5])):
-        results = compare_two(legs, plain, found, workers, xacro=given)
+        results = compare_two(legs, plain, diagnostics, workers, xacro=given)
         assert results is not None
         mass = next(one for one in results if one.quantity is Quantity.MASS)
         np.testing.assert_allclose([one.amount for one in mass.deviations.failures], masses)
     legs.with_name("leg.xacro").write_text(LEG.replace("foot.obj", "boot.obj"), encoding="utf-8")
-    assert compare_two(legs, plain, found, workers) is None
-    lost = next(one for one in found if one.code == "SB861")
+    assert compare_two(legs, plain, diagnostics, workers) is None
+    lost = next(one for one in diagnostics if one.code == "SB861")
     assert (Path(lost.span.file).name, lost.span.line) == ("leg.xacro", 6)
 
 
 def test_relative_meshes_are_found_in_the_folders_above(legs: Path, tmp_path: Path) -> None:
     """They are relative to the URDF, which a xacro does not name; those of a URDF are also found by an option."""
     legs.with_name("leg.xacro").write_text(LEG.replace("package://legs_description", "."), encoding="utf-8")
-    found = Diagnostics()
-    check(legs, Options(legs.parent, base="fixed"), found)
-    assert not list(found)
+    diagnostics = Diagnostics()
+    check(legs, Options(legs.parent, base="fixed"), diagnostics)
+    assert not list(diagnostics)
     plain = tmp_path / "legs.urdf"
     plain.write_bytes(expanded(legs).text.replace((legs.parents[1] / "meshes").as_posix().encode(), b"meshes"))
     for folders, missing in (((), True), ((legs.parents[1],), False)):
-        found = Diagnostics()
-        verify_files([plain], found, workers=Options(tmp_path).workers, packages=folders)
-        assert found.has_errors is missing, list(map(str, found))
-        assert ("SB861" in {one.code for one in found}) is missing
+        diagnostics = Diagnostics()
+        verify_files([plain], diagnostics, workers=Options(tmp_path).workers, packages=folders)
+        assert diagnostics.has_errors is missing, list(map(str, diagnostics))
+        assert ("SB861" in {one.code for one in diagnostics}) is missing
 
 
 def test_findings_have_the_line_that_states_them(legs: Path) -> None:
     """What is lost is at its line in the included file; a fault of the robot is, too."""
     leg = legs.with_name("leg.xacro")
     leg.write_text(LEG.replace("<limit ", '<safety_controller k_velocity="1"/><limit '), encoding="utf-8")
-    found = Diagnostics()
-    check(legs, Options(legs.parent, base="fixed"), found)
-    lost = next(one for one in found if one.code == "SB860")
+    diagnostics = Diagnostics()
+    check(legs, Options(legs.parent, base="fixed"), diagnostics)
+    lost = next(one for one in diagnostics if one.code == "SB860")
     assert (Path(lost.span.file).name, lost.span.line) == ("leg.xacro", 10)
     leg.write_text(LEG.replace('lower="-1"', 'lower="low"'), encoding="utf-8")
     wrong = Diagnostics()
@@ -167,9 +167,9 @@ def test_an_error_in_a_macro_has_its_line_and_its_call(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("name", "help"), [("lenght", "did you mean 'length'?"), ("w", "arguments: length")])
 def test_wrong_arguments_are_named(legs: Path, name: str, help: str) -> None:
     """An argument that the file does not declare is an error with the nearest one, or all."""
-    found = Diagnostics()
-    check(legs, Options(legs.parent, xacro=((name, "1"),)), found)
-    fault = next(one for one in found if one.code == "SB877")
+    diagnostics = Diagnostics()
+    check(legs, Options(legs.parent, xacro=((name, "1"),)), diagnostics)
+    fault = next(one for one in diagnostics if one.code == "SB877")
     assert fault.help == (help,)
 
 
@@ -287,6 +287,6 @@ def test_foreign_namespaces_and_texts_are_kept(tmp_path: Path) -> None:
 def test_without_xacro_the_remedy_is_its_command(legs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the package, the command that installs it is the remedy."""
     monkeypatch.setattr(admission, "find_spec", lambda name: None)
-    found = Diagnostics()
-    check(legs, Options(legs.parent), found)
-    assert [(one.code, one.help) for one in found] == [("SB877", ("pip install 'stepbot[xacro]'",))]
+    diagnostics = Diagnostics()
+    check(legs, Options(legs.parent), diagnostics)
+    assert [(one.code, one.help) for one in diagnostics] == [("SB877", ("pip install 'stepbot[xacro]'",))]

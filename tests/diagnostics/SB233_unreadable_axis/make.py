@@ -11,7 +11,7 @@ from tests.unit.step.in_process import read_here
 STEP = Path("part.step")
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Read a part while the search for axes fails."""
 
     def fail(*_: object) -> None:
@@ -20,4 +20,4 @@ def find(found: Diagnostics) -> None:
     parts.write_box(STEP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stepbot.step.shapes.bodies.axis_faces", fail)
-        read_here(STEP, found)
+        read_here(STEP, diagnostics)

@@ -5,6 +5,6 @@ from stepbot.robot.validity import check_robot
 from tests.unit.robot.test_validity import BROKEN
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
-    check_robot(BROKEN["no such link"][1], found)
+    check_robot(BROKEN["no such link"][1], diagnostics)

@@ -7,8 +7,8 @@ from tests.unit.assemble.test_overlaps import ONE
 from tests.unit.assemble.workshop import Workshop, build
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     shop = Workshop()
     shop.rod("pin", sides=24, density=1000)
-    build(shop, Path(), "    mass: mesh\n" + ONE, found)
+    build(shop, Path(), "    mass: mesh\n" + ONE, diagnostics)

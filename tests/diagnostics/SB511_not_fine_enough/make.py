@@ -13,9 +13,9 @@ from tests.unit.step.in_process import read_here
 STEP = Path("robot.step")
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     parts.write_sphere(STEP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(exact, "MAX_MEASURING_FACES", 5000)
-        read_here(STEP, found, ReadOptions(refine_mass_to=1e-6))
+        read_here(STEP, diagnostics, ReadOptions(refine_mass_to=1e-6))

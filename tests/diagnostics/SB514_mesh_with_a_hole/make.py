@@ -7,6 +7,6 @@ from tests.unit.assemble.test_overlaps import ONE, WATER, overlap_with_an_open_m
 from tests.unit.assemble.workshop import build
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
-    build(overlap_with_an_open_mesh(), Path(), WATER + ONE, found)
+    build(overlap_with_an_open_mesh(), Path(), WATER + ONE, diagnostics)

@@ -9,10 +9,10 @@ from tests.unit.assemble.test_overlaps import ONE
 from tests.unit.assemble.workshop import Workshop, build
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     shop = Workshop()
     shop.box("a", density=1000)
     force_setattr(shop.bodies[0], "exact_error", 0.4)
     force_setattr(shop.bodies[0], "defect", "its mass properties do not converge")
-    build(shop, Path(), ONE, found)
+    build(shop, Path(), ONE, diagnostics)

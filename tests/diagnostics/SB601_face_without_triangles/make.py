@@ -13,10 +13,10 @@ from tests.unit.step.in_process import read_here
 STEP = Path("robot.step")
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     parts.write_sphere(STEP)
     with pytest.MonkeyPatch.context() as patch:
         mesh = bodies.fitted
         patch.setattr(bodies, "fitted", lambda *arguments: replace(mesh(*arguments), missing=(1,)))
-        read_here(STEP, found)
+        read_here(STEP, diagnostics)

@@ -12,9 +12,9 @@ from tests.unit.step.in_process import read_here
 STEP = Path("robot.step")
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     parts.write_sphere(STEP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(bodies, "is_watertight", lambda faces: False)
-        read_here(STEP, found)
+        read_here(STEP, diagnostics)

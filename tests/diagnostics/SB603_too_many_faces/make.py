@@ -13,9 +13,9 @@ from tests.unit.step.in_process import read_here
 STEP = Path("robot.step")
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     parts.write_sphere(STEP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tessellation, "MAX_FACES", 2000)
-        read_here(STEP, found, ReadOptions(tolerance=MeshTolerance(1e-5, angle=0.02)))
+        read_here(STEP, diagnostics, ReadOptions(tolerance=MeshTolerance(1e-5, angle=0.02)))

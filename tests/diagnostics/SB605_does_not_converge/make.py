@@ -13,10 +13,10 @@ from tests.unit.step.in_process import read_here
 STEP = Path("robot.step")
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     parts.write_sphere(STEP)
     with pytest.MonkeyPatch.context() as patch:
         estimate = bodies.estimated
         patch.setattr(bodies, "estimated", lambda *given, **more: replace(estimate(*given, **more), error=0.04))
-        read_here(STEP, found)
+        read_here(STEP, diagnostics)

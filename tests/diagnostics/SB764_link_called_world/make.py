@@ -8,9 +8,9 @@ from stepbot.formats.lowering import lower
 from tests import robots
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     robot = robots.pendulum()
     root = replace(robot.root, name="world")
     joint = replace(robot.joints[0], parent="world")
-    lower(replace(robot, links=(root, robot.links[1]), joints=(joint,)), FORMATS["urdf"], found)
+    lower(replace(robot, links=(root, robot.links[1]), joints=(joint,)), FORMATS["urdf"], diagnostics)

@@ -9,7 +9,7 @@ from tests import robots
 from tests.simulators.conftest import write
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     folder = write(robots.pendulum(), Path())
     written = {"urdf": folder.written["urdf"]}
@@ -17,4 +17,4 @@ def find(found: Diagnostics) -> None:
     text = path.read_text(encoding="utf-8")
     path.write_text(re.sub(r"<inertial>.*?</inertial>", "", text, count=1, flags=re.DOTALL), encoding="utf-8")
     with Provers(written) as provers:
-        verify(folder.robot, written, provers, found)
+        verify(folder.robot, written, provers, diagnostics)

@@ -8,9 +8,9 @@ from tests.robots import crooked_four_bar
 from tests.simulators.conftest import write
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Ask the library."""
     folder = write(crooked_four_bar(5e-5), Path())
     written = {"mjcf": folder.written["mjcf"]}
     with Provers(written) as provers:
-        verify(folder.robot, written, provers, found)
+        verify(folder.robot, written, provers, diagnostics)

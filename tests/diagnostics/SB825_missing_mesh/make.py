@@ -7,6 +7,6 @@ from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import show
 
 
-def find(found: Diagnostics) -> None:
+def find(diagnostics: Diagnostics) -> None:
     """Show it."""
-    found.extend(show(Path("arm.urdf"), Options(output=Path())).diagnostics)
+    diagnostics.extend(show(Path("arm.urdf"), Options(output=Path())).diagnostics)

@@ -88,7 +88,7 @@ def test_ignored_components_are_in_no_link(tmp_path: Path) -> None:
     assert _components(built(_motor_shop(), tmp_path, text)) == {"base": ("plate",), "arm": ()}
 
 
-def test_two_links_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_two_links_on_one_component(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A component claimed by a second link is reported at the second claim, with both links."""
     text = (
         TWO
@@ -100,37 +100,39 @@ def test_two_links_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> N
       other: {parts: [plate, motor/horn]}
 """
     )
-    assert build(_motor_shop(), tmp_path, text, found) is None
-    (fault,) = found
+    assert build(_motor_shop(), tmp_path, text, diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB303"
     assert fault.message == "link 'other': \"motor/horn\" is already in link 'arm'"
     lines = (tmp_path / "test.robot.yaml").read_text(encoding="utf-8").splitlines()
     assert lines[fault.span.line - 1][fault.span.column - 1 :].startswith("motor/horn")
 
 
-def test_components_in_no_link_are_listed(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_components_in_no_link_are_listed(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """One error lists unassigned components, a subassembly as one entry if all of it is unassigned."""
     shop = _motor_shop()
     hand = shop.group("hand")
     shop.box("palm", parent=hand)
     shop.box("thumb", parent=hand)
-    build(shop, tmp_path, TWO + "    links: {base: {parts: [plate]}, arm: {parts: [motor/case]}}\n", found)
-    (fault,) = found
+    build(shop, tmp_path, TWO + "    links: {base: {parts: [plate]}, arm: {parts: [motor/case]}}\n", diagnostics)
+    (fault,) = diagnostics
     assert fault.code == "SB304"
     assert fault.message == "robot.step: 5 components are not assigned to any link"
     assert fault.notes == ('"motor/horn"', '"motor/screw#1"', '"motor/screw#2"', '"hand"')
 
 
-def test_misspelt_part_comes_with_near_matches(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_misspelt_part_comes_with_near_matches(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A path without a match is an error with similar names; the error about unassigned components refers to it."""
-    build(_motor_shop(), tmp_path, TWO + "    links: {base: {parts: [plate, motor]}, arm: {parts: [hron]}}\n", found)
-    (fault,) = found
+    build(
+        _motor_shop(), tmp_path, TWO + "    links: {base: {parts: [plate, motor]}, arm: {parts: [hron]}}\n", diagnostics
+    )
+    (fault,) = diagnostics
     assert fault.code == "SB301"
     assert fault.message == "link 'arm': no component 'hron' in robot.step"
     assert fault.help == ("did you mean 'horn'?",)
 
 
-def test_every_unbound_path_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_every_unbound_path_is_reported(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """All unknown and ambiguous paths in links and rules are reported in one run."""
     shop = _motor_shop()
     other = shop.group("other")
@@ -142,12 +144,12 @@ def test_every_unbound_path_is_reported(tmp_path: Path, found: ReadDiagnostics) 
     links: {base: {parts: [motro], rest: true}, arm: {parts: [horn]}}
 """
     )
-    build(shop, tmp_path, text, found)
-    assert found.codes() == ["SB301", "SB301", "SB302"]
-    assert list(found)[2].notes == ('"motor/horn"', '"other/horn"')
+    build(shop, tmp_path, text, diagnostics)
+    assert diagnostics.codes() == ["SB301", "SB301", "SB302"]
+    assert list(diagnostics)[2].notes == ('"motor/horn"', '"other/horn"')
 
 
-def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_path_that_takes_nothing(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A claim on ignored components, or on ones claimed more closely, is a warning with the reason."""
     shop = Workshop()
     pair = shop.group("pair")
@@ -159,19 +161,19 @@ def test_path_that_takes_nothing(tmp_path: Path, found: ReadDiagnostics) -> None
         TWO
         + "    parts: {label: {ignore: true}}\n    links: {base: {parts: [pair, label, plate]}, arm: {parts: [x, y]}}\n"
     )
-    assert build(shop, tmp_path, text, found) is not None
-    assert found.codes() == ["SB306", "SB306"]
-    assert [d.message.rsplit(": ", 1)[1] for d in found] == [
+    assert build(shop, tmp_path, text, diagnostics) is not None
+    assert diagnostics.codes() == ["SB306", "SB306"]
+    assert [d.message.rsplit(": ", 1)[1] for d in diagnostics] == [
         "more specific claims take all of it",
         "`parts` ignores it",
     ]
 
 
-def test_binding_by_number_draws_one_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_binding_by_number_draws_one_warning(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """All paths that depend on ``#n`` alone are collected in one warning."""
     text = TWO + '    links: {base: {rest: true}, arm: {parts: ["motor/screw#1", "motor/screw#2"]}}\n'
-    assert build(_motor_shop(), tmp_path, text, found) is not None
-    (fault,) = found
+    assert build(_motor_shop(), tmp_path, text, diagnostics) is not None
+    (fault,) = diagnostics
     assert (fault.code, fault.severity) == ("SB305", "warning")
     assert len(fault.notes) == 2
 
@@ -181,6 +183,6 @@ def test_named_occurrences_draw_none(tmp_path: Path) -> None:
     shop = Workshop()
     shop.box("motor", occurrence="left motor")
     shop.box("motor", occurrence="right motor")
-    found = Diagnostics()
-    build(shop, tmp_path, TWO + '    links: {base: {parts: ["motor#1"]}, arm: {parts: [right motor]}}\n', found)
-    assert not list(found)
+    diagnostics = Diagnostics()
+    build(shop, tmp_path, TWO + '    links: {base: {parts: ["motor#1"]}, arm: {parts: [right motor]}}\n', diagnostics)
+    assert not list(diagnostics)

@@ -139,12 +139,12 @@ def test_auto_looks_at_all_parts_of_both_links(tmp_path: Path) -> None:
     _expect(built(shop, tmp_path, text + "    parts: {screw: {ignore: true}}\n"), (0, 0, 0))
 
 
-def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Ambiguous axes are an error at the origin, with a snippet for each."""
     bolts = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3), axis((0, 10, 0), radius=2)]
     shop = _two(bolts, bolts)
-    assert build(shop, tmp_path, _joint("auto"), found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, _joint("auto"), diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB402"
     assert fault.message == "joint 'j': link 'base' and link 'arm' share 3 axes, none of them twice as wide as the next"
     assert fault.help[0] == "origin: {auto: true, near: [10 mm, 0 mm, 0 mm]}"
@@ -153,7 +153,7 @@ def test_ambiguous_axes_are_listed_to_paste(tmp_path: Path, found: ReadDiagnosti
         _expect(built(shop, tmp_path, _joint(text.removeprefix("origin: "))), (x, y, 0))
 
 
-def test_misspelt_part_is_no_ambiguous_axis(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_misspelt_part_is_no_ambiguous_axis(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The link with ``rest`` gets the part that a misspelt path was to match; its axes are not judged."""
     shop = Workshop()
     shop.box("plate", (100, 100, 10), axes=[axis((0, 0, 0), radius=5)])
@@ -167,15 +167,15 @@ def test_misspelt_part_is_no_ambiguous_axis(tmp_path: Path, found: ReadDiagnosti
       k: {type: fixed, parent: arm, child: drive, origin: {xyz: [0, 0, 0]}}
 """
     _expect(built(shop, tmp_path, text.replace("MOTOR", "motor")), (0, 0, 0))
-    assert build(shop, tmp_path, text.replace("MOTOR", "motro"), found) is None
-    assert found.codes() == ["SB301"]
+    assert build(shop, tmp_path, text.replace("MOTOR", "motro"), diagnostics) is None
+    assert diagnostics.codes() == ["SB301"]
 
 
-def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An ambiguous ``axis_of`` lists a snippet for each line."""
     shop = _two([axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=2.9)], [])
-    assert build(shop, tmp_path, _joint("{axis_of: base}"), found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, _joint("{axis_of: base}"), diagnostics) is None
+    (fault,) = diagnostics
     assert fault.help == (
         'origin: {axis_of: "base", radius: 3 mm}',
         'origin: {axis_of: "base", radius: 2.9 mm}',
@@ -183,11 +183,11 @@ def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, found: ReadD
     _expect(built(shop, tmp_path, _joint(fault.help[1].removeprefix("origin: "))), (-10, 0, 0))
 
 
-def test_no_axis_reports_near_misses(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_no_axis_reports_near_misses(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """If two links share no line, lines less than 2 mm apart are reported, with snippets."""
     shop = _two([axis((10, 0, 0), radius=5), axis((30, 0, 0), radius=1)], [axis((11.57, 0, 0), radius=4)])
-    assert build(shop, tmp_path, _joint("auto"), found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, _joint("auto"), diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB401"
     assert fault.message == "joint 'j': link 'base' and link 'arm' share no axis"
     assert fault.notes == ('1.57 mm apart: "base" (radius 5 mm) and "arm" (radius 4 mm)',)
@@ -195,14 +195,14 @@ def test_no_axis_reports_near_misses(tmp_path: Path, found: ReadDiagnostics) -> 
     _expect(built(shop, tmp_path, _joint('{axis_of: "arm"}')), (11.57, 0, 0))
 
 
-def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Faces on one line with a gap of 228 mm are no joint; the error lists the selectors for them."""
     horn = [axis((0, 0, 0), radius=10, length=4, bore=False)]
     bracket = [axis((0, 0, 234), radius=10.2, length=8)]
     shop = _two(horn, bracket)
     for origin in ("auto", '{mate: ["base", "arm"]}'):
-        assert build(shop, tmp_path, _joint(origin), found) is None
-    first, second = found
+        assert build(shop, tmp_path, _joint(origin), diagnostics) is None
+    first, second = diagnostics
     assert (first.code, second.code) == ("SB406", "SB406")
     words = "have faces on one line, but no shaft in a bore and no touching faces"
     assert first.message == f"joint 'j': link 'base' and link 'arm' {words}"
@@ -223,15 +223,15 @@ def test_a_fit_beats_a_wider_line_without_contact(tmp_path: Path) -> None:
     _expect(built(_two(base, arm), tmp_path, _joint("auto")), (40, 0, 0))
 
 
-def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A line of faces that touch without fitting is a warning, unless the sidecar selects it."""
     shop = _two(
         [axis((0, 0, 0), radius=5, length=4)], [axis((0, 0, 1), radius=10, length=4, bore=False), axis((20, 0, 0))]
     )
-    robot = build(shop, tmp_path, _joint("auto"), found)
+    robot = build(shop, tmp_path, _joint("auto"), diagnostics)
     assert robot is not None
     _expect(robot, (0, 0, 0.5))
-    (doubt,) = found
+    (doubt,) = diagnostics
     assert (doubt.code, doubt.severity) == ("SB407", "warning")
     words = "bore of radius 5 mm and shaft of radius 10 mm overlap by 3 mm, but their radii do not match"
     assert doubt.message == f"joint 'j': weak evidence for its axis: {words}"
@@ -242,11 +242,11 @@ def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadD
     assert made.joint_table[0].evidence.doubt == words
 
 
-def test_the_centre_of_a_ball_on_a_line_is_doubted(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_the_centre_of_a_ball_on_a_line_is_doubted(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A line does not state the centre of a ball: a warning, unless the sidecar selects it or gives an offset."""
     shop = _two([axis((0, 0, 0), radius=5, length=4)], [axis((0, 0, 1), radius=5, length=4, bore=False)])
-    assert build(shop, tmp_path, _joint("auto", "ball"), found) is not None
-    (doubt,) = found
+    assert build(shop, tmp_path, _joint("auto", "ball"), diagnostics) is not None
+    (doubt,) = diagnostics
     words = "a ball joint turns about the centre of its ball, and this is the middle of the faces on the line"
     assert (doubt.code, doubt.message) == ("SB407", f"joint 'j': weak evidence for its axis: {words}")
     assert doubt.help[0].startswith("give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it")
@@ -254,16 +254,16 @@ def test_the_centre_of_a_ball_on_a_line_is_doubted(tmp_path: Path, found: ReadDi
         built(shop, tmp_path, _joint(chosen, "ball"))
 
 
-def test_a_ball_in_a_socket_has_no_line(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_ball_in_a_socket_has_no_line(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The remedy is where to take the centre from; cylinders elsewhere on the two links are no cause."""
     shop = _two([axis((0, 0, 0), radius=5, length=4)], [axis((90, 0, 1), radius=5, length=4, bore=False)])
-    assert build(shop, tmp_path, _joint("auto", "ball"), found) is None
-    (error,) = found
+    assert build(shop, tmp_path, _joint("auto", "ball"), diagnostics) is None
+    (error,) = diagnostics
     assert error.code == "SB401"
     assert error.help[0].endswith("or `{center: PATH}` of a whole ball")
 
 
-def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A radius that a draft wrote counts as a choice once the REVIEW comment is gone; the evidence names its face."""
     base = [axis((0, 0, 0), radius=1.1, length=4), axis((0, 0, 40), radius=8, bore=False), axis((20, 0, 0))]
     shop = _two(base, [axis((0, 0, 10), radius=1.4, length=4), axis((20, 0, 0))])
@@ -271,37 +271,37 @@ def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, found: 
     score, review = "      # score 0.95: output of the motor 'm'\n", "      # REVIEW: weak\n"
     drafted, confirmed = (f"{HEAD}    joints:\n{score}{comment}{joint}" for comment in (review, ""))
     for text, doubt in ((drafted, "bore of radius 1.1 mm and bore of radius 1.4 mm are 6 mm apart"), (confirmed, "")):
-        made = build_robot(shop.assembly, sidecar(tmp_path, text), lambda: shop.measures, found)
+        made = build_robot(shop.assembly, sidecar(tmp_path, text), lambda: shop.measures, diagnostics)
         assert made is not None
         (evidence,) = (row.evidence for row in made.joint_table)
         assert (evidence.selected, evidence.doubt) == (True, doubt)
         assert [(face.component, face.radius) for face in evidence.selected_by] == [("base", 0.008)]
-    (warned,) = found
+    (warned,) = diagnostics
     assert warned.code == "SB407"
     assert warned.help[0] == "if its origin is right, remove the REVIEW comment of the draft above it"
 
 
-def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A screw in its hole is preferred to a wide line of touching faces, with a warning."""
     base = [axis((0, 0, 0), radius=20), axis((40, 0, 0), radius=2, bore=False)]
     arm = [axis((0, 0, 0), radius=10, bore=False), axis((40, 0, 0), radius=2.1)]
-    robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
+    robot = build(_two(base, arm), tmp_path, _joint("auto"), diagnostics)
     assert robot is not None
     _expect(robot, (40, 0, 0))
-    (doubt,) = found
+    (doubt,) = diagnostics
     assert doubt.code == "SB407"
     assert doubt.help == ("origin: {auto: true, radius: 2.1 mm}", "origin: {auto: true, radius: 20 mm}")
 
 
-def test_a_wide_line_that_touches_beats_a_bolt_circle(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_wide_line_that_touches_beats_a_bolt_circle(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Among equal bolt holes on several lines, a line twice as wide is the axis."""
     bolts = [axis((x, y, 0), radius=1.2) for x, y in ((12, 0), (-12, 0), (0, 12), (0, -12))]
     base = [axis((0, 0, 0), radius=5, bore=False), *bolts]
     arm = [axis((0, 0, 0), radius=7), *bolts]
-    robot = build(_two(base, arm), tmp_path, _joint("auto"), found)
+    robot = build(_two(base, arm), tmp_path, _joint("auto"), diagnostics)
     assert robot is not None
     _expect(robot, (0, 0, 0))
-    assert found.codes() == ["SB407"]
+    assert diagnostics.codes() == ["SB407"]
 
 
 def test_a_slide_takes_any_of_parallel_lines(tmp_path: Path) -> None:
@@ -311,34 +311,34 @@ def test_a_slide_takes_any_of_parallel_lines(tmp_path: Path) -> None:
     _expect(built(_two(guides, guides), tmp_path, text), (10, 0, 0))
 
 
-def test_auto_without_parts(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_auto_without_parts(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A link without parts shares no line, and the message has the reason; a misspelt path is reported once."""
     shop = _two([axis((0, 0, 0))], [])
     inertial = "{mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}"
     empty = _joint("auto").replace("arm: {parts: [arm]}", f"arm: {{inertial: {inertial}}}")
-    assert build(shop, tmp_path, empty, found) is None
-    assert found.codes() == ["SB405"]
-    assert build(shop, tmp_path, _joint("auto").replace("parts: [arm]", "parts: [amr]"), found) is None
-    assert found.codes() == ["SB405", "SB301"]
+    assert build(shop, tmp_path, empty, diagnostics) is None
+    assert diagnostics.codes() == ["SB405"]
+    assert build(shop, tmp_path, _joint("auto").replace("parts: [arm]", "parts: [amr]"), diagnostics) is None
+    assert diagnostics.codes() == ["SB405", "SB301"]
 
 
-def test_paths_in_origins_are_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_paths_in_origins_are_checked(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An unknown component, and one without extent, are errors at their place in the origin."""
     shop = _two([], [])
     shop.group("nothing")
-    assert build(shop, tmp_path, _joint("{component: amr}"), found) is None
-    assert build(shop, tmp_path, _joint("{center: nothing}"), found) is None
-    assert build(shop, tmp_path, _joint("{xyz: [0, 0, 0], relative_to: foot}"), found) is None
-    assert build(shop, tmp_path, _joint("{axis_of: arm, radius: 4 mm}"), found) is None
-    assert found.codes() == ["SB301", "SB404", "SB301", "SB401"]
-    first = next(iter(found))
+    assert build(shop, tmp_path, _joint("{component: amr}"), diagnostics) is None
+    assert build(shop, tmp_path, _joint("{center: nothing}"), diagnostics) is None
+    assert build(shop, tmp_path, _joint("{xyz: [0, 0, 0], relative_to: foot}"), diagnostics) is None
+    assert build(shop, tmp_path, _joint("{axis_of: arm, radius: 4 mm}"), diagnostics) is None
+    assert diagnostics.codes() == ["SB301", "SB404", "SB301", "SB401"]
+    first = next(iter(diagnostics))
     assert first.message == "joint 'j': no component 'amr' in robot.step"
     lines = HEAD.splitlines()
     column = _joint("{component: amr}").splitlines()[-1].index("amr") + 1 - 4  # the workshop removes the indent
     assert (first.span.line, first.span.column) == (3 + len(lines) + 1, column)
 
 
-def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_frames_that_wait_for_each_other(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A joint relative to its own child, and two joints relative to each other's, are one error each."""
     shop = _two([], [])
     shop.box("tip")
@@ -349,8 +349,8 @@ def test_frames_that_wait_for_each_other(tmp_path: Path, found: ReadDiagnostics)
       a: {type: fixed, parent: base, child: arm, origin: {xyz: [0, 0, 0], relative_to: tip}}
       b: {type: fixed, parent: arm, child: tip, origin: {xyz: [0, 0, 0], relative_to: arm}}
 """
-    assert build(shop, tmp_path, text, found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, text, diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB403"
     assert "link 'arm' depends on link 'tip' depends on link 'arm'" in fault.message
 
@@ -404,14 +404,16 @@ def test_source_of_an_origin_is_in_the_joint_table(origin: str, source: str, tmp
     assert row.evidence.text == source
 
 
-def test_a_turning_joint_does_not_choose_among_lines(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_turning_joint_does_not_choose_among_lines(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Of joints that move, only prismatic ones accept any of several parallel lines."""
     guides = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3)]
     assert (
-        build(_two(guides, guides), tmp_path, _joint("auto", "revolute", ", limits: {lower: -1, upper: 1}"), found)
+        build(
+            _two(guides, guides), tmp_path, _joint("auto", "revolute", ", limits: {lower: -1, upper: 1}"), diagnostics
+        )
         is None
     )
-    assert found.codes() == ["SB402"]
+    assert diagnostics.codes() == ["SB402"]
 
 
 @pytest.mark.parametrize("holes", [[], [(10, 0, 0), (-10, 0, 0)]])
@@ -420,10 +422,12 @@ def test_a_fixed_joint_needs_no_axis(holes: list[tuple[float, float, float]], tm
     bores = [axis(at, radius=3) for at in holes]
     shop = _two(bores, bores, at(0, 0, 35))
     root = "    root: {frame: {xyz: [0, 0, 7 mm]}}\n"
-    found = Diagnostics()
-    made = build_robot(shop.assembly, sidecar(tmp_path, root + _joint("auto", "fixed")), lambda: shop.measures, found)
+    diagnostics = Diagnostics()
+    made = build_robot(
+        shop.assembly, sidecar(tmp_path, root + _joint("auto", "fixed")), lambda: shop.measures, diagnostics
+    )
     assert made is not None
-    assert not list(found)
+    assert not list(diagnostics)
     _expect(made.robot, (0, 0, 0))
     (row,) = made.joint_table
     assert row.origin == pytest.approx((0, 0, 0.007))
@@ -437,7 +441,7 @@ def test_a_fixed_joint_is_on_the_line_that_its_links_share(tmp_path: Path) -> No
     assert robot.joints[0].X_PC.p[0] == pytest.approx(0.02)
 
 
-def test_another_parent_is_proposed(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_another_parent_is_proposed(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """If a joint's links share no axis, the help names the link that has one with the child."""
     shop = Workshop()
     shop.box("base", (100, 100, 10), axes=[axis((40, 0, 0), radius=8)])
@@ -450,24 +454,24 @@ def test_another_parent_is_proposed(tmp_path: Path, found: ReadDiagnostics) -> N
       lift: {type: continuous, parent: base, child: arm}
       grip: {type: continuous, parent: PARENT, child: jaw}
 """
-    assert build(shop, tmp_path, text.replace("PARENT", "base"), found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, text.replace("PARENT", "base"), diagnostics) is None
+    (fault,) = diagnostics
     assert (fault.code, fault.message) == ("SB401", "joint 'grip': link 'base' and link 'jaw' share no axis")
     assert fault.help[0] == "link 'arm' and link 'jaw' share an axis: `parent: arm`, if it carries it"
     built(shop, tmp_path, text.replace("PARENT", "arm"))
 
 
 @pytest.mark.parametrize(("xyz", "far"), [("[0, 4, 8]", True), ("[0, 100 mm, 200 mm]", False), ("[0, 0, 9]", False)])
-def test_axes_far_from_the_assembly(xyz: str, far: bool, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_axes_far_from_the_assembly(xyz: str, far: bool, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A line through given coordinates that passes far from everything is a warning; along the line it is free."""
-    build(_two([], [], at(0, 0, 35)), tmp_path, _joint(f"{{xyz: {xyz}}}"), found)
-    assert found.codes() == ["SB423"] * far
+    build(_two([], [], at(0, 0, 35)), tmp_path, _joint(f"{{xyz: {xyz}}}"), diagnostics)
+    assert diagnostics.codes() == ["SB423"] * far
 
 
-def test_two_shafts_of_one_radius_are_named(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_two_shafts_of_one_radius_are_named(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Shafts of equal radius that meet end to end are weak evidence because no shaft is in a bore."""
     base, arm = axis((0, 0, 0), radius=17.5, length=4, bore=False), axis((0, 0, 4), radius=17.5, length=4, bore=False)
-    build(_two([base], [arm]), tmp_path, _joint("auto"), found)
-    (doubt,) = found
+    build(_two([base], [arm]), tmp_path, _joint("auto"), diagnostics)
+    (doubt,) = diagnostics
     words = "two shafts of radius 17.5 mm meet end to end, and no shaft is in a bore"
     assert doubt.message == f"joint 'j': weak evidence for its axis: {words}"

@@ -11,12 +11,12 @@ from tests.unit.assemble.workshop import Workshop, at, build
 POSSIBLE = "{mass: 2, com: [0, 0, 0], inertia: {ixx: 1.2e-3, iyy: 1.2e-3, izz: 1.2e-3}}"
 
 
-def _reported(tmp_path: Path, inertial: str, found: Diagnostics) -> list[tuple[str, str]]:
+def _reported(tmp_path: Path, inertial: str, diagnostics: Diagnostics) -> list[tuple[str, str]]:
     """Codes and messages for a box of 100 x 60 x 40 mm with an ``inertial``."""
     shop = Workshop()
     shop.box("a", size=(100, 60, 40))
-    build(shop, tmp_path, f"    links: {{base: {{rest: true, inertial: {inertial}}}}}\n", found)
-    return [(one.code, one.message) for one in found]
+    build(shop, tmp_path, f"    links: {{base: {{rest: true, inertial: {inertial}}}}}\n", diagnostics)
+    return [(one.code, one.message) for one in diagnostics]
 
 
 @pytest.mark.parametrize(
@@ -34,10 +34,10 @@ def test_possible_values_are_accepted(tmp_path: Path, inertial: str) -> None:
     assert _reported(tmp_path, inertial, Diagnostics()) == []
 
 
-def test_moment_above_its_bound(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_moment_above_its_bound(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A moment that would need mass outside the box is reported with the bound, at the link's `inertial`."""
     inertial = "{mass: 2, com: [0, 0, 0], inertia: {ixx: 0.02, iyy: 0.02, izz: 0.02}}"
-    ((code, message),) = _reported(tmp_path, inertial, found)
+    ((code, message),) = _reported(tmp_path, inertial, diagnostics)
     assert code == "SB518:large-inertia"
     assert message == (
         "link 'base': ixx = 0.02 kg m^2, but 2 kg with this com have at most 0.0026 within the geometry, "
@@ -82,22 +82,22 @@ def test_geometry_of_links_fixed_to_it_counts(tmp_path: Path, kind: str, codes: 
     links: {{base: {{rest: true, inertial: {inertial}}}, b: {{parts: [b]}}}}
     joints: {{j: {joint}}}
 """
-    found = Diagnostics()
-    build(shop, tmp_path, text, found)
-    assert [one.code for one in found] == codes
+    diagnostics = Diagnostics()
+    build(shop, tmp_path, text, diagnostics)
+    assert [one.code for one in diagnostics] == codes
 
 
-def test_mass_too_large_for_the_volume(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_mass_too_large_for_the_volume(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Grams without a unit: 55 kg in a box of 24 cm^3; the remedy has the unit."""
     shop = Workshop()
     shop.box("a", size=(20, 30, 40))
-    assert build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 55}}}\n", found) is not None
-    (doubt,) = found
+    assert build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 55}}}\n", diagnostics) is not None
+    (doubt,) = diagnostics
     words = "55 kg in 24 cm^3 is 2.29e+06 kg/m^3, more than any material has"
     assert (doubt.code, doubt.message) == ("SB521", f"link 'base': {words}")
     assert doubt.help[0] == "if the unit is g, write `55 g`; numbers without a unit are kilograms"
-    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 800 g}}}\n", found)
-    assert "if the unit is g" not in "".join([*found][-1].help), "the unit is written"
+    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 800 g}}}\n", diagnostics)
+    assert "if the unit is g" not in "".join([*diagnostics][-1].help), "the unit is written"
 
 
 def test_a_link_without_geometry_is_not_checked(tmp_path: Path) -> None:
@@ -110,6 +110,6 @@ def test_a_link_without_geometry_is_not_checked(tmp_path: Path) -> None:
     links: {{base: {{rest: true}}, b: {{parts: [], inertial: {inertial}}}}}
     joints: {{j: {{type: continuous, parent: base, child: b, origin: {{xyz: [0, 0, 0]}}}}}}
 """
-    found = Diagnostics()
-    build(shop, tmp_path, text, found)
-    assert [one.code for one in found] == []
+    diagnostics = Diagnostics()
+    build(shop, tmp_path, text, diagnostics)
+    assert [one.code for one in diagnostics] == []

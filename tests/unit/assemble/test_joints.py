@@ -169,7 +169,7 @@ def _four_bar_shop(zero: float) -> tuple[Workshop, str]:
 
 
 @pytest.mark.parametrize("zero", [0.0, 0.7])
-def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The two frames of a closure coincide in the drawn pose and along the motion of a parallelogram."""
     shop, text = _four_bar_shop(zero)
     robot = built(shop, tmp_path, text)
@@ -183,8 +183,8 @@ def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, found: ReadDiagno
         poses = link_poses(robot, q)
         a, b = poses["coupler"] @ closure.X_AF, poses["rocker"] @ closure.X_BF
         np.testing.assert_allclose(a.p, b.p, atol=1e-12)
-    check_robot(robot, found)
-    assert not list(found)
+    check_robot(robot, diagnostics)
+    assert not list(diagnostics)
 
 
 def test_places_of_joints_and_closures_are_known_without_a_robot(tmp_path: Path) -> None:
@@ -206,7 +206,7 @@ def test_places_of_joints_and_closures_are_known_without_a_robot(tmp_path: Path)
     assert [one.name for one in bind(shop.assembly, sidecar(tmp_path, unbound), measures).joints] == ["b", "d"]
 
 
-def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_joints_of_every_kind_are_built(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Joints of every kind have their axes, pitch and forces in SI."""
     text = (
         CHAIN
@@ -230,7 +230,7 @@ def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) 
         dynamics: {damping: 0.1}
 """
     )
-    robot = build(_chain(), tmp_path, text, found)
+    robot = build(_chain(), tmp_path, text, diagnostics)
     assert robot is not None
     screw, cross = robot.joints
     assert screw.pitch == pytest.approx(0.002 / (2 * pi), rel=1e-15)
@@ -246,7 +246,7 @@ def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) 
             _chain(),
             tmp_path,
             of_kind + "      b: {type: fixed, parent: upper, child: lower, origin: {xyz: [0, 0, 0]}}\n",
-            found,
+            diagnostics,
         )
         assert built is not None
         assert built.joints[0].kind == kind

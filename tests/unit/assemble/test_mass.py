@@ -65,11 +65,11 @@ def test_each_field_comes_from_the_first_rule_that_sets_it(tmp_path: Path) -> No
     assert sum(v.mass for v in sources.values()) == pytest.approx(7240 * CUBE)
 
 
-def _of_code(code: str, found: Diagnostics) -> list[tuple[str, tuple[str, ...]]]:
-    return [(one.message, one.help) for one in found if one.code == code]
+def _of_code(code: str, diagnostics: Diagnostics) -> list[tuple[str, tuple[str, ...]]]:
+    return [(one.message, one.help) for one in diagnostics if one.code == code]
 
 
-def test_rules_below_a_general_glob_are_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_rules_below_a_general_glob_are_reported(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Each names the fields without effect and the rule that has set them; a rule with some effect is not shadowed."""
     shop = Workshop()
     for name in ("a", "b", "c"):
@@ -82,25 +82,25 @@ def test_rules_below_a_general_glob_are_reported(tmp_path: Path, found: ReadDiag
       b: {density: 2000, visual: true}
       c#1: {mass: 7 g}
 """
-    build(shop, tmp_path, text + ONE, found)
-    (density, mass) = _of_code("SB306", found)
+    build(shop, tmp_path, text + ONE, diagnostics)
+    (density, mass) = _of_code("SB306", diagnostics)
     assert density[0] == "parts rule 'a': 'density' without effect: set by '*' above"
     assert density[1] == ("of several rules the first holds: move this rule above '*', or remove it",)
     assert mass[0] == "parts rule 'c#1': 'mass' without effect: set by 'c' above"
 
 
-def test_specific_rules_above_a_glob_are_no_fault(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_specific_rules_above_a_glob_are_no_fault(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The glob holds for the rest; if there is none, it changes nothing unless it says otherwise."""
     shop = Workshop()
     shop.box("a")
     shop.box("b")
-    build(shop, tmp_path, "    parts: {a: {density: 500}, '*': {density: 2000}}\n" + ONE, found)
-    assert _of_code("SB306", found) == []
-    build(shop, tmp_path, "    parts: {a: {density: 5}, b: {density: 5}, '*': {density: 5}}\n" + ONE, found)
-    assert _of_code("SB306", found) == []
+    build(shop, tmp_path, "    parts: {a: {density: 500}, '*': {density: 2000}}\n" + ONE, diagnostics)
+    assert _of_code("SB306", diagnostics) == []
+    build(shop, tmp_path, "    parts: {a: {density: 5}, b: {density: 5}, '*': {density: 5}}\n" + ONE, diagnostics)
+    assert _of_code("SB306", diagnostics) == []
 
 
-def test_a_density_to_do_is_a_warning_until_it_is_given(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_density_to_do_is_a_warning_until_it_is_given(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Components with a density of their own, and links with an inertial, do not need it."""
     shop = Workshop()
     shop.box("a")
@@ -110,8 +110,8 @@ def test_a_density_to_do_is_a_warning_until_it_is_given(tmp_path: Path, found: R
         "a": (1000.0, "defaults: todo"),
         "arm": (7850.0, "STEP"),
     }
-    build(shop, tmp_path, "    defaults: {density: todo}\n" + TWO, found)
-    ((message, help),) = _of_code("SB522", found)
+    build(shop, tmp_path, "    defaults: {density: todo}\n" + TWO, diagnostics)
+    ((message, help),) = _of_code("SB522", diagnostics)
     assert (
         message
         == 'defaults.density: component "a" has the placeholder `todo` as density: 1000 kg/m^3, 0.001 kg in total'
@@ -147,7 +147,7 @@ def test_step_density_and_defaults(tmp_path: Path) -> None:
     assert _sources(robot)["b"].density == 1000
 
 
-def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_materials_that_the_step_names(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A material named in the STEP is looked up in ``materials``, after rules and the STEP's density."""
     shop = Workshop()
     parts = {"ruled": None, "dense": 2700.0, "named": None, "colored": None, "unlisted": None, "unnamed": None}
@@ -160,7 +160,7 @@ def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -
     defaults: {density: 500}
     parts: {ruled: {density: 3}}
 """
-    robot = build(shop, tmp_path, text + ONE, found)
+    robot = build(shop, tmp_path, text + ONE, diagnostics)
     assert robot is not None
     assert [(s.density, s.origin) for s in _sources(robot).values()] == [
         (3, "parts rule 'ruled'"),
@@ -170,7 +170,7 @@ def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -
         (500, "defaults"),
         (500, "defaults"),
     ]
-    (note,) = found
+    (note,) = diagnostics
     assert (note.code, note.severity, note.span.line) == ("SB515", "note", 5)
     assert note.notes == ("'paint': \"colored\"", "'Steel': \"unlisted\"")
     assert note.help == ('define it: `materials: {"paint": {density: ...}}`',)
@@ -182,12 +182,12 @@ def test_materials_that_the_step_names(tmp_path: Path, found: ReadDiagnostics) -
     assert not list(again)
 
 
-def test_a_missing_density_names_the_material(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_missing_density_names_the_material(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """If the STEP names the material of a part without density, the remedy is a line in ``materials``, which works."""
     shop = Workshop()
     shop.made_of(shop.box("a"), "PLA")
-    assert build(shop, tmp_path, ONE, found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, ONE, diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB501"
     assert '`materials: {"PLA": {density: 1240 kg/m^3}}`' in fault.help[-1]
     assert _masses(built(shop, tmp_path, '    materials: {"PLA": {density: 1240 kg/m^3}}\n' + ONE)) == {
@@ -205,26 +205,26 @@ def test_rules_reach_down(tmp_path: Path) -> None:
     assert {k: v.density for k, v in _sources(robot).items()} == {"motor/case": 2, "motor/horn": 1}
 
 
-def test_missing_density_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_missing_density_is_an_error(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """All components without a density are in one error with the remedy."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", density=7850)
     shop.box("c")
-    assert build(shop, tmp_path, ONE, found) is None
-    (fault,) = found
+    assert build(shop, tmp_path, ONE, diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB501"
     assert fault.notes == ('"a"', '"c"')
     assert any("defaults: {density:" in text for text in fault.help)
 
 
-def test_one_density_for_everything_is_suspicious(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_one_density_for_everything_is_suspicious(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Equal STEP densities of all definitions are a warning, unless they are ignored or overridden."""
     shop = Workshop()
     shop.box("a", density=7850)
     shop.box("b", X_PC=at(20, 0, 0), density=7850)
-    assert build(shop, tmp_path, ONE, found) is not None
-    (fault,) = found
+    assert build(shop, tmp_path, ONE, diagnostics) is not None
+    (fault,) = diagnostics
     assert (fault.code, fault.severity) == ("SB502", "warning")
     assert "7850 kg/m^3" in fault.message
     built_quietly = [
@@ -232,14 +232,14 @@ def test_one_density_for_everything_is_suspicious(tmp_path: Path, found: ReadDia
         '    parts: {"**": {density: 1}}\n' + ONE,
     ]
     for text in built_quietly:
-        build(shop, tmp_path, text, found)
+        build(shop, tmp_path, text, diagnostics)
     shop.box("c", X_PC=at(40, 0, 0), density=1000)
-    build(shop, tmp_path, ONE, found)
+    build(shop, tmp_path, ONE, diagnostics)
     single = Workshop()
     first = single.box("a", density=7850)
     single.again(first, at(50, 0, 0))
-    build(single, tmp_path, ONE, found)
-    assert len(found) == 1
+    build(single, tmp_path, ONE, diagnostics)
+    assert len(diagnostics) == 1
 
 
 def test_link_mass_is_the_sum_of_its_parts(tmp_path: Path) -> None:
@@ -283,14 +283,14 @@ def test_mass_on_a_component_scales_its_inertia(tmp_path: Path) -> None:
     assert _sources(robot)["a"] == ComponentMass("a", pytest.approx(0.06), None, volume, "parts rule 'a'", "mesh")
 
 
-def test_mass_that_no_material_has(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_mass_that_no_material_has(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Grams without a unit are kilograms: one warning for the rule, with the value in grams."""
     shop = Workshop()
     servo = shop.box("servo", (45, 25, 32), occurrence="servo:1")
     shop.again(servo, at(100, 0, 0))
     text = "    parts: {'servo*': {mass: MASS}}\n" + ONE
-    build(shop, tmp_path, text.replace("MASS", "55"), found)
-    (doubt,) = found
+    build(shop, tmp_path, text.replace("MASS", "55"), diagnostics)
+    (doubt,) = diagnostics
     words = "55 kg in 36 cm^3 is 1.53e+06 kg/m^3, more than any material has"
     assert (doubt.code, doubt.message) == ("SB521", f"parts rule 'servo*': {words}")
     assert doubt.help[0] == "if the unit is g, write `55 g`; numbers without a unit are kilograms"
@@ -368,69 +368,69 @@ def test_a_glob_that_matches_a_part_of_its_match_weighs_once(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("outer", ["30 g", "40 g"])
-def test_nested_masses_that_contradict(outer: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_nested_masses_that_contradict(outer: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Inner masses that leave nothing for the rest are replaced by shares of the outer mass, with a warning."""
     text = f"    defaults: {{density: 1000}}\n    parts: {{motor: {{mass: 40 g}}, arm: {{mass: {outer}}}}}\n" + ONE
-    robot = build(_nested_shop(), tmp_path, text, found)
+    robot = build(_nested_shop(), tmp_path, text, diagnostics)
     assert robot is not None
     total = float(outer.removesuffix(" g")) * 1e-3
     assert _mass(robot.root).mass == pytest.approx(total)
     assert _masses(robot)["arm/cap"] == pytest.approx(total / 2)
-    (fault,) = found
+    (fault,) = diagnostics
     assert fault.code == "SB504"
 
 
-def test_nested_masses_that_do_not_add_up(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_nested_masses_that_do_not_add_up(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """If every part has a mass and the sum differs from the outer mass, the outer one is used."""
     text = "    parts: {motor: {mass: 40 g}, tube: {mass: 10 g}, cap: {mass: 50 g}, arm: {mass: 100 g}}\n" + ONE
     assert _masses(built(_nested_shop(), tmp_path, text))["arm/cap"] == pytest.approx(0.05)
-    robot = build(_nested_shop(), tmp_path, text.replace("100 g", "90 g"), found)
+    robot = build(_nested_shop(), tmp_path, text.replace("100 g", "90 g"), diagnostics)
     assert robot is not None
     assert _mass(robot.root).mass == pytest.approx(0.09)
-    assert found.codes() == ["SB504"]
+    assert diagnostics.codes() == ["SB504"]
 
 
 @pytest.mark.parametrize("masses", [(0.011, 0.011, 0.013), (0.013, 0.011, 0.011)])
-def test_decimal_masses_that_add_up(masses: tuple[float, ...], tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_decimal_masses_that_add_up(masses: tuple[float, ...], tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Masses whose decimals add up to the outer one do not contradict it, although their doubles do not add up."""
     motor, tube, cap = masses
     assert fsum(masses) != 0.035
     inner = f"motor: {{mass: {motor}}}, tube: {{mass: {tube}}}, cap: {{mass: {cap}}}"
-    robot = build(_nested_shop(), tmp_path, f"    parts: {{{inner}, arm: {{mass: 0.035}}}}\n" + ONE, found)
+    robot = build(_nested_shop(), tmp_path, f"    parts: {{{inner}, arm: {{mass: 0.035}}}}\n" + ONE, diagnostics)
     assert robot is not None
     assert _masses(robot)["arm/cap"] == pytest.approx(cap)
-    assert "SB504" not in found.codes()
+    assert "SB504" not in diagnostics.codes()
 
 
-def test_mass_on_a_surface_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_mass_on_a_surface_is_an_error(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A mass on a surface body is an error."""
     shop = Workshop()
     shop.box("sheet", kind=BodyKind.SURFACE)
     shop.box("plate", density=1000)
-    assert build(shop, tmp_path, "    parts: {sheet: {mass: 5 g}}\n" + ONE, found) is None
-    assert found.codes() == ["SB503", "SB506"]
+    assert build(shop, tmp_path, "    parts: {sheet: {mass: 5 g}}\n" + ONE, diagnostics) is None
+    assert diagnostics.codes() == ["SB503", "SB506"]
 
 
-def test_surfaces_weigh_nothing_and_are_drawn(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_surfaces_weigh_nothing_and_are_drawn(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A surface body adds no mass, keeps its visual, and is reported in a note."""
     shop = Workshop()
     shop.box("sheet", kind=BodyKind.SURFACE)
     shop.box("plate", density=1000)
-    robot = build(shop, tmp_path, ONE, found)
+    robot = build(shop, tmp_path, ONE, diagnostics)
     assert robot is not None
     assert _mass(robot.root).mass == pytest.approx(1000 * CUBE)
     assert len(robot.root.visuals) == 2
-    (note,) = found
+    (note,) = diagnostics
     assert (note.code, note.severity) == ("SB506", "note")
 
 
-def test_a_solid_without_volume_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_solid_without_volume_is_an_error(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A solid without measurable volume is an error, unless its link needs no mass."""
     shop = Workshop()
     shop.box("broken", kind=BodyKind.SURFACE)
     force_setattr(shop.bodies[0], "kind", BodyKind.SOLID)
-    assert build(shop, tmp_path, "    defaults: {density: 1}\n" + ONE, found) is None
-    assert found.codes() == ["SB507"]
+    assert build(shop, tmp_path, "    defaults: {density: 1}\n" + ONE, diagnostics) is None
+    assert diagnostics.codes() == ["SB507"]
     inertial = "{mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}"
     text = f"    links: {{base: {{rest: true, inertial: {inertial}}}}}\n"
     assert _mass(built(shop, tmp_path, text).root).mass == 1.0
@@ -465,21 +465,21 @@ def test_inertial_mass_alone_scales(tmp_path: Path) -> None:
     assert _masses(robot) == pytest.approx({"a": 0.06, "b": 0.02})
 
 
-def test_inertial_mass_on_nothing(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_inertial_mass_on_nothing(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """``inertial`` with a mass alone on a link without volumes is an error."""
     shop = Workshop()
     shop.box("a", density=1)
     text = TWO.replace("arm: {parts: [arm]}", "arm: {inertial: {mass: 1}}")
-    assert build(shop, tmp_path, text, found) is None
-    assert found.codes() == ["SB503"]
+    assert build(shop, tmp_path, text, diagnostics) is None
+    assert diagnostics.codes() == ["SB503"]
 
 
-def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_mesh_where_it_agrees_else_exact(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """``mass: auto`` uses the mesh within 1e-3 of the exact solid, else the exact solid, and reports which."""
     shop = Workshop()
     shop.rod("fine", sides=256)
     shop.rod("coarse", X_PC=at(20, 0, 0), sides=24)
-    robot = build(shop, tmp_path, "    defaults: {density: 1000}\n" + ONE, found)
+    robot = build(shop, tmp_path, "    defaults: {density: 1000}\n" + ONE, diagnostics)
     assert robot is not None
     sources = _sources(robot)
     assert sources["fine"].method == "mesh"
@@ -487,7 +487,7 @@ def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics)
     assert sources["fine"].mass == pytest.approx(1000 * prism, rel=1e-12)
     assert sources["coarse"].method.startswith("exact: mesh differs by ")
     assert sources["coarse"].mass == pytest.approx(1000 * np.pi * 0.004**2 * 0.02, rel=1e-12)
-    (note,) = found
+    (note,) = diagnostics
     assert (note.code, note.severity) == ("SB505", "note")
     # The polar moment of an inscribed n-gon is (2 + cos t) sin t / 3 t of the circle's, t = 2 pi / n.
     t = 2 * np.pi / 24
@@ -495,7 +495,7 @@ def test_mesh_where_it_agrees_else_exact(tmp_path: Path, found: ReadDiagnostics)
     assert note.notes == (f"coarse: exact: mesh differs by {off:.1e} in inertia",)
 
 
-def test_com_and_inertia_count_too(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_com_and_inertia_count_too(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The exact solid is used if com or inertia of the mesh deviate, even if its volume does not."""
     for fault in ("com", "inertia"):
         shop = Workshop()
@@ -503,22 +503,22 @@ def test_com_and_inertia_count_too(tmp_path: Path, found: ReadDiagnostics) -> No
         com = np.array([2e-5 if fault == "com" else 0.0, 0, 0])
         inertia = box_inertia((0.01, 0.01, 0.01)) * (1.002 if fault == "inertia" else 1.0)
         shop.measures[0] = VolumeProperties.of(CUBE, com, inertia)
-        robot = build(shop, tmp_path, ONE, found)
+        robot = build(shop, tmp_path, ONE, diagnostics)
         assert robot is not None
         assert _sources(robot)["a"].method.endswith(f" in {fault}")
-    assert len(found) == 2
+    assert len(diagnostics) == 2
 
 
-def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_exact_and_mesh_on_request(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """``mass: exact`` uses the solid; ``mass: mesh`` the finest mesh, with a warning if it deviates."""
     shop = Workshop()
     shop.rod("a", sides=24, density=1000)
     exact = 1000 * np.pi * 0.004**2 * 0.02
     assert _masses(built(shop, tmp_path, "    mass: exact\n" + ONE))["a"] == pytest.approx(exact, rel=1e-12)
-    robot = build(shop, tmp_path, "    mass: mesh\n" + ONE, found)
+    robot = build(shop, tmp_path, "    mass: mesh\n" + ONE, diagnostics)
     assert robot is not None
     assert _masses(robot)["a"] == pytest.approx(1000 * shop.measures[0].volume, rel=1e-12)  # type: ignore[union-attr]
-    (fault,) = found
+    (fault,) = diagnostics
     assert (fault.code, fault.severity) == ("SB511", "warning")
     fine = Workshop()
     fine.rod("a", sides=512)
@@ -527,14 +527,16 @@ def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> No
 
 
 @pytest.mark.parametrize("mode", ["auto", "mesh", "exact"])
-def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_mass_properties_that_nothing_confirms_are_an_error(
+    mode: str, tmp_path: Path, diagnostics: ReadDiagnostics
+) -> None:
     """Uncertain mass properties are an error in every mode, unless the link has an ``inertial``."""
     shop = Workshop()
     shop.box("a", density=1000)
     force_setattr(shop.bodies[0], "exact_error", 0.4)
     force_setattr(shop.bodies[0], "defect", "its mass properties do not converge")
-    build(shop, tmp_path, f"    mass: {mode}\n" + ONE, found)
-    faults = [fault for fault in found if fault.code == "SB516"]
+    build(shop, tmp_path, f"    mass: {mode}\n" + ONE, diagnostics)
+    faults = [fault for fault in diagnostics if fault.code == "SB516"]
     assert [fault.severity for fault in faults] == ["error"]
     assert faults[0].notes == ("a: its mass properties do not converge",)
     given = "    links: {base: {rest: true, inertial: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}}}\n"
@@ -542,21 +544,21 @@ def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path:
     assert _mass(robot.root).mass == 1.0
 
 
-def test_roughly_known_mass_properties_are_used_and_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_roughly_known_mass_properties_are_used_and_reported(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Methods that agree to a few percent give a robot with the exact solid's, and the report says how well known."""
     shop = Workshop()
     shop.box("a", density=1000)
     force_setattr(shop.bodies[0], "exact_error", 0.05)
     exact = shop.bodies[0].exact
-    robot = build(shop, tmp_path, ONE, found)
+    robot = build(shop, tmp_path, ONE, diagnostics)
     assert robot is not None
     assert exact is not None
     assert _mass(robot.root).mass == pytest.approx(1000 * exact.volume)
-    (note,) = (fault for fault in found if fault.code == "SB505")
+    (note,) = (fault for fault in diagnostics if fault.code == "SB505")
     assert note.notes == ("a: exact: known to 5.0% only",)
 
 
-def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_open_mesh_gives_way(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """With an open mesh the exact solid is used, with the reason; a closed tessellation is sufficient."""
     shop = Workshop()
     shop.box("a", density=1000)
@@ -565,11 +567,11 @@ def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
     force_setattr(shop.bodies[0], "defect", "face 3 has no triangles")
     force_setattr(shop.bodies[1], "exact", None)
     force_setattr(shop.bodies[1], "kind", BodyKind.TESSELLATED)
-    robot = build(shop, tmp_path, ONE, found)
+    robot = build(shop, tmp_path, ONE, diagnostics)
     assert robot is not None
     assert _sources(robot)["a"].method == "exact: face 3 has no triangles"
     assert _sources(robot)["b"].method == "mesh"
-    assert found.codes() == ["SB505"]
+    assert diagnostics.codes() == ["SB505"]
 
 
 def test_total_does_not_depend_on_the_links(tmp_path: Path) -> None:

@@ -99,11 +99,11 @@ def test_with_a_frame(tmp_path: Path) -> None:
 def test_forward_along_up(root: str) -> None:
     """`forward` along `up` is an error that lists the remaining directions."""
     text = f"version: 1\nrobot: r\nstep: r.step\nroot: {root}\nlinks: {{base: {{rest: true}}}}\n"
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("r.robot.yaml"), found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("r.robot.yaml"), diagnostics)
     assert sidecar is not None
-    check_sidecar(sidecar, found)
-    (fault,) = found
+    check_sidecar(sidecar, diagnostics)
+    (fault,) = diagnostics
     assert (fault.code, fault.span.line) == ("SB128", 4)
     assert fault.help
 
@@ -112,6 +112,6 @@ def test_forward_along_up(root: str) -> None:
 def test_other_words(value: str) -> None:
     """Only the six directions are accepted."""
     text = f"version: 1\nrobot: r\nstep: r.step\nroot: {{up: {value}}}\nlinks: {{base: {{rest: true}}}}\n"
-    found = Diagnostics()
-    assert parse_sidecar(text, Path("r.robot.yaml"), found) is None or found.has_errors
-    assert found.has_errors
+    diagnostics = Diagnostics()
+    assert parse_sidecar(text, Path("r.robot.yaml"), diagnostics) is None or diagnostics.has_errors
+    assert diagnostics.has_errors

@@ -38,8 +38,8 @@ CUBE = 1e-6
 
 def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -> Overlaps:
     """The overlaps of the only link."""
-    found = Diagnostics()
-    binder = Binder(shop.assembly, sidecar(folder, text), found)
+    diagnostics = Diagnostics()
+    binder = Binder(shop.assembly, sidecar(folder, text), diagnostics)
     materials = assign_materials(binder)
     claims = claim(binder, materials)
     weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
@@ -47,13 +47,13 @@ def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -
     return overlaps
 
 
-def test_boxes_that_overlap(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_boxes_that_overlap(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Two boxes that share a quarter are a warning at the link, with both names, the volume and the mass."""
     shop = Workshop()
     shop.box("left", (40, 10, 10))
     shop.box("right", (40, 10, 10), at(30, 0, 0))
-    assert build(shop, tmp_path, WATER + ONE, found) is not None
-    (fault,) = found
+    assert build(shop, tmp_path, WATER + ONE, diagnostics) is not None
+    (fault,) = diagnostics
     assert (fault.code, fault.severity, fault.span.line) == ("SB512", "warning", 5)
     assert "link 'base'" in fault.message
     assert "1 g of 8 g" in fault.message
@@ -125,18 +125,18 @@ def test_a_solid_without_triangles(tmp_path: Path) -> None:
     assert pair.mass == pytest.approx(0.5e-3)
 
 
-def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A link with an ``inertial`` counts nothing twice, and parts in two links are not compared."""
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(5, 0, 0))
-    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 10 g}}}\n", found)
+    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 10 g}}}\n", diagnostics)
     two = """
     links: {base: {rest: true}, arm: {parts: [b]}}
     joints: {j: {type: fixed, parent: base, child: arm, origin: {xyz: [0, 0, 0]}}}
 """
-    assert build(shop, tmp_path, WATER + two, found) is not None
-    assert not len(found)
+    assert build(shop, tmp_path, WATER + two, diagnostics) is not None
+    assert not len(diagnostics)
 
 
 def test_equal_pairs_are_intersected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,13 +179,13 @@ def test_what_three_share_counts_twice_and_not_thrice(tmp_path: Path) -> None:
     assert overlaps.mass == pytest.approx(2 * CUBE * 1000)
 
 
-def test_a_part_that_is_there_twice_is_named(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_part_that_is_there_twice_is_named(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The help for a copy at the same place is a snippet that ignores it, and the snippet works."""
     shop = Workshop()
     first = shop.box("bolt", occurrence="bolt:1")
     shop.again(first, at(0, 0, 0), occurrence="bolt:2")
-    build(shop, tmp_path, WATER + ONE, found)
-    (fault,) = found
+    build(shop, tmp_path, WATER + ONE, diagnostics)
+    (fault,) = diagnostics
     assert '`parts: {"bolt:2": {ignore: true}}`' in fault.help[0]
     again = Diagnostics()
     robot = build(shop, tmp_path, WATER + '    parts: {"bolt:2": {ignore: true}}\n' + ONE, again)
@@ -193,20 +193,20 @@ def test_a_part_that_is_there_twice_is_named(tmp_path: Path, found: ReadDiagnost
     assert not list(again)
 
 
-def test_little_overlaps_are_a_note(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_little_overlaps_are_a_note(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An overlap below 1e-3 of the link's mass is a note with the heaviest pair."""
     shop = Workshop()
     shop.box("block", (100, 100, 100))
     shop.box("pin", (4, 4, 10), at(0, 0, 50))
     shop.box("label", (2, 2, 2), at(30, 0, 50))
-    assert build(shop, tmp_path, WATER + ONE, found) is not None
-    (note,) = found
+    assert build(shop, tmp_path, WATER + ONE, diagnostics) is not None
+    (note,) = diagnostics
     assert (note.code, note.severity) == ("SB513", "note")
     assert "2 pairs of solids" in note.message
     assert note.notes == ('link \'base\': 0.084 g are counted twice, most of it in "block" and "pin": 80 mm^3, 0.08 g',)
 
 
-def test_unchecked_pairs_are_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_unchecked_pairs_are_reported(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Pairs beyond the limit of faces, or with open meshes, are listed with their largest possible mass."""
     shop = Workshop()
     shop.box("a", (40, 10, 10))
@@ -217,11 +217,11 @@ def test_unchecked_pairs_are_reported(tmp_path: Path, found: ReadDiagnostics) ->
     assert [(pair.first, pair.second) for pair in overlaps.unchecked] == [(2, 3)]
     assert overlaps.unchecked[0].mass == pytest.approx(1e-3)
 
-    binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), found)
+    binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), diagnostics)
     materials = assign_materials(binder)
     weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
     DoubleCounting(binder, claim(binder, materials), weighed, max_faces=0).report()
-    (note,) = found
+    (note,) = diagnostics
     assert (note.code, note.severity) == ("SB514", "note")
     assert "2 pairs of solids were not checked" in note.message
     assert note.notes[0] == '"a" and "b": all pairs together have more than 0 faces; at most 2 g are counted twice'
@@ -238,11 +238,11 @@ def overlap_with_an_open_mesh() -> Workshop:
     return shop
 
 
-def test_an_open_mesh_cannot_be_checked(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_open_mesh_cannot_be_checked(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A solid with an open mesh has its exact mass; its unknown overlaps are reported."""
-    assert build(overlap_with_an_open_mesh(), tmp_path, WATER + ONE, found) is not None
-    assert found.codes() == ["SB505", "SB514"]
-    assert list(found)[1].notes == ('"a" and "b": a mesh is not watertight; at most 0.5 g are counted twice',)
+    assert build(overlap_with_an_open_mesh(), tmp_path, WATER + ONE, diagnostics) is not None
+    assert diagnostics.codes() == ["SB505", "SB514"]
+    assert list(diagnostics)[1].notes == ('"a" and "b": a mesh is not watertight; at most 0.5 g are counted twice',)
 
 
 def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -273,8 +273,8 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(asked) == 4
 
 
-def _search(shop: Workshop, folder: Path, found: Diagnostics, process: Worker) -> DoubleCounting:
-    binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), found)
+def _search(shop: Workshop, folder: Path, diagnostics: Diagnostics, process: Worker) -> DoubleCounting:
+    binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), diagnostics)
     materials = assign_materials(binder)
     weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
     return DoubleCounting(binder, claim(binder, materials), weighed, process=process)
@@ -287,26 +287,26 @@ def _row_of_blocks(count: int) -> Workshop:
     return shop
 
 
-def test_another_process_finds_the_same(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_another_process_finds_the_same(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The mesh worker finds the same overlaps as this process."""
     shop = _row_of_blocks(4)
     with Worker(MESH_WORKER) as process:
         meshes = tuple(body.mesh for body in shop.assembly.bodies)
         assert len(process.submit("measures", meshes, more=True).result()) == len(meshes)
-        _search(shop, tmp_path, found, process).report()
+        _search(shop, tmp_path, diagnostics, process).report()
     here = Diagnostics()
     assert build(shop, tmp_path, WATER + ONE, here) is not None
-    assert list(found) == list(here)
-    assert found.codes() == ["SB512"]
+    assert list(diagnostics) == list(here)
+    assert diagnostics.codes() == ["SB512"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
-def test_the_death_of_the_worker_is_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_the_death_of_the_worker_is_reported(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A worker that dies is an error: the mass counted twice is unknown."""
     with Worker(MESH_WORKER) as process:
         os.kill(process.pid, signal.SIGKILL)
-        _search(_row_of_blocks(2), tmp_path, found, process).report()
-    (error,) = found
+        _search(_row_of_blocks(2), tmp_path, diagnostics, process).report()
+    (error,) = diagnostics
     assert (error.code, error.severity) == ("SB902", "error")
     assert "the process that intersects solids ended: killed by SIGKILL" in error.message
 

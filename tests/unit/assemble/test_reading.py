@@ -45,16 +45,16 @@ def test_each_body_has_the_tolerance_of_its_link(tmp_path: Path, fine: tuple[str
         f"  {link}: {{{claim}{f', mesh: {{tolerance: {OWN[link]} m}}' if link in fine else ''}}}\n"
         for link, claim in claims.items()
     )
-    shop, found = _shop(), Diagnostics()
+    shop, diagnostics = _shop(), Diagnostics()
     loaded = sidecar(tmp_path, f"mesh: {{tolerance: {ROBOT} m}}\nlinks:\n{links}{JOINTS}")
     components = shop.assembly.components
     tolerances = definition_tolerances(components, range(len(shop.assembly.bodies)), read_options(loaded.document))
-    for link, indices in link_components(shop.assembly, loaded, found).items():
+    for link, indices in link_components(shop.assembly, loaded, diagnostics).items():
         assert indices
         for index in indices:
             expected = OWN[link] if link in fine else ROBOT
             assert [one.absolute for one in tolerances[components[index].body]] == [expected], components[index].path
-    assert not found.has_errors
+    assert not diagnostics.has_errors
 
 
 def test_without_tolerances_of_links_the_geometry_depends_on_no_link(tmp_path: Path) -> None:

@@ -244,19 +244,19 @@ def test_given_primitives(tmp_path: Path) -> None:
     np.testing.assert_allclose(collisions[0].X_LG.rpy, (0, 0, np.pi / 2), atol=1e-12)
 
 
-def test_flat_bodies_have_no_hull(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_flat_bodies_have_no_hull(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A flat label has a visual, no collision, and one warning."""
     shop = Workshop()
     shop.box("plate")
     shop.box("label", (30, 20, 0), kind=BodyKind.SURFACE)
-    robot = build(shop, tmp_path, ONE, found)
+    robot = build(shop, tmp_path, ONE, diagnostics)
     assert robot is not None
     assert len(robot.root.visuals) == 2
     assert len(robot.root.collisions) == 1
-    assert found.codes() == ["SB506", "SB308"]
-    built_quietly = build(shop, tmp_path, "    parts: {label: {collision: none}}\n" + ONE, found)
+    assert diagnostics.codes() == ["SB506", "SB308"]
+    built_quietly = build(shop, tmp_path, "    parts: {label: {collision: none}}\n" + ONE, diagnostics)
     assert built_quietly is not None
-    assert found.codes() == ["SB506", "SB308", "SB506"]
+    assert diagnostics.codes() == ["SB506", "SB308", "SB506"]
 
 
 def test_hull_of_too_few_points() -> None:

@@ -32,10 +32,10 @@ def codes(
     shop.box("foot", (foot, foot, 10), X @ at(0, 0, 5))
     shop.box("post", (30, 30, 80), X @ at(0, 0, 50))
     shop.box("arm", (150, 30, arm), X @ at(0, 0, 90 + arm / 2, (0.2, 0.3, 0.1)))
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     loaded = sidecar(folder, TEXT.format(root=root, axis=axis))
-    assert build_robot(shop.assembly, loaded, lambda: shop.measures, found) is not None
-    return [str(d) for d in found if d.code == "SB421"]
+    assert build_robot(shop.assembly, loaded, lambda: shop.measures, diagnostics) is not None
+    return [str(d) for d in diagnostics if d.code == "SB421"]
 
 
 @pytest.mark.parametrize("up", DIRECTIONS)

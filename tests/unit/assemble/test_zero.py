@@ -144,7 +144,7 @@ def test_zero_in_an_engine(kinds: tuple[str, ...], tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", [kind for kind in JointKind if kind.value not in ZEROS])
-def test_other_kinds_refuse_zero(kind: JointKind, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_other_kinds_refuse_zero(kind: JointKind, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """`zero` of a joint without a single position is an error at its place."""
     extra = ", axis2: x" if kind is JointKind.UNIVERSAL else ""
     text = HEAD + (
@@ -153,9 +153,9 @@ def test_other_kinds_refuse_zero(kind: JointKind, tmp_path: Path, found: ReadDia
     )
     path = tmp_path / "a.robot.yaml"
     path.write_text(text, encoding="utf-8")
-    loaded = load_sidecar(path, found)
+    loaded = load_sidecar(path, diagnostics)
     assert loaded is not None
-    check_sidecar(loaded, found)
-    (fault,) = found
+    check_sidecar(loaded, diagnostics)
+    (fault,) = diagnostics
     assert fault.code == "SB137"
     assert fault.message == f"joint 'j': 'zero' is not valid for type {kind}"

@@ -205,17 +205,17 @@ def sidecar(folder: Path, text: str) -> Sidecar:
     """A valid sidecar: version, robot and step, followed by the given text."""
     path = folder / "test.robot.yaml"
     path.write_text(HEAD + textwrap.dedent(text), encoding="utf-8")
-    found = Diagnostics()
-    loaded = load_sidecar(path, found)
-    assert loaded is not None, "\n".join(map(str, found))
-    check_sidecar(loaded, found)
-    assert not found.has_errors, "\n".join(map(str, found))
+    diagnostics = Diagnostics()
+    loaded = load_sidecar(path, diagnostics)
+    assert loaded is not None, "\n".join(map(str, diagnostics))
+    check_sidecar(loaded, diagnostics)
+    assert not diagnostics.has_errors, "\n".join(map(str, diagnostics))
     return loaded
 
 
-def build(shop: Workshop, folder: Path, text: str, found: Diagnostics) -> Robot | None:
+def build(shop: Workshop, folder: Path, text: str, diagnostics: Diagnostics) -> Robot | None:
     """The robot of a sidecar and the workshop's assembly."""
-    return robot_of(build_robot(shop.assembly, sidecar(folder, text), lambda: shop.measures, found))
+    return robot_of(build_robot(shop.assembly, sidecar(folder, text), lambda: shop.measures, diagnostics))
 
 
 def robot_of(built: BuiltRobot | None) -> Robot | None:
@@ -228,8 +228,8 @@ def robot_of(built: BuiltRobot | None) -> Robot | None:
 
 def built(shop: Workshop, folder: Path, text: str) -> Robot:
     """The robot of a sidecar without errors."""
-    found = Diagnostics()
-    robot = build(shop, folder, text, found)
-    assert robot is not None, "\n".join(map(str, found))
-    assert not found.has_errors
+    diagnostics = Diagnostics()
+    robot = build(shop, folder, text, diagnostics)
+    assert robot is not None, "\n".join(map(str, diagnostics))
+    assert not diagnostics.has_errors
     return robot

@@ -23,17 +23,17 @@ def test_headline_is_complete() -> None:
     assert str(diagnostic) == "arm.step:3:4: error[SB001]: no such file"
 
 
-def test_severity_is_the_codes(found: Diagnostics) -> None:
+def test_severity_is_the_codes(diagnostics: Diagnostics) -> None:
     """The severity of a finding is that of its code."""
-    assert found.add(WARNING, "w", Span("a")).severity == "warning"
-    assert found.add(ERROR, "e", Span("a")).severity == "error"
-    assert [d.message for d in found] == ["w", "e"]
+    assert diagnostics.add(WARNING, "w", Span("a")).severity == "warning"
+    assert diagnostics.add(ERROR, "e", Span("a")).severity == "error"
+    assert [d.message for d in diagnostics] == ["w", "e"]
 
 
-def test_unknown_code_is_refused(found: Diagnostics) -> None:
+def test_unknown_code_is_refused(diagnostics: Diagnostics) -> None:
     """An unknown code raises an error."""
     with pytest.raises(KeyError):
-        found.add("SB000", "?", Span("a"))
+        diagnostics.add("SB000", "?", Span("a"))
 
 
 @pytest.mark.parametrize("code", ["", "SB", "SB000", "SB307", "SB999", "x"])
@@ -48,13 +48,13 @@ def test_each_code_is_found() -> None:
     assert [code.id for code in CODES.values()] == list(CODES)
 
 
-def test_finding_is_kept_once(found: Diagnostics) -> None:
+def test_finding_is_kept_once(diagnostics: Diagnostics) -> None:
     """A diagnostic added twice is reported once, in its first position."""
-    first = found.add(WARNING, "w", Span("a"))
-    found.add(WARNING, "v", Span("a"))
-    assert found.extend([first]) == [first]
-    assert [d.message for d in found] == ["w", "v"]
-    assert len(found) == 2
+    first = diagnostics.add(WARNING, "w", Span("a"))
+    diagnostics.add(WARNING, "v", Span("a"))
+    assert diagnostics.extend([first]) == [first]
+    assert [d.message for d in diagnostics] == ["w", "v"]
+    assert len(diagnostics) == 2
 
 
 @pytest.mark.parametrize(
@@ -63,30 +63,30 @@ def test_finding_is_kept_once(found: Diagnostics) -> None:
 )
 def test_exit_code(codes: list[str], exit_code: int) -> None:
     """The exit code is 0 for clean, 1 for findings, 2 for could not run; the worst finding decides."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     for code in codes:
-        found.add(code, "m", Span("a"))
-    assert found.exit_code == exit_code
-    assert found.has_errors == (exit_code != 0)
+        diagnostics.add(code, "m", Span("a"))
+    assert diagnostics.exit_code == exit_code
+    assert diagnostics.has_errors == (exit_code != 0)
 
 
-def test_strict_turns_warnings_into_errors(found: Diagnostics) -> None:
+def test_strict_turns_warnings_into_errors(diagnostics: Diagnostics) -> None:
     """After `make_strict` a warning is an error and ends the stage."""
-    found.add(WARNING, "w", Span("a"))
-    found.raise_if_errors()
-    found.make_strict()
-    assert [d.severity for d in found] == ["error"]
-    assert found.exit_code == 1
+    diagnostics.add(WARNING, "w", Span("a"))
+    diagnostics.raise_if_errors()
+    diagnostics.make_strict()
+    assert [d.severity for d in diagnostics] == ["error"]
+    assert diagnostics.exit_code == 1
     with pytest.raises(StepbotError, match=r"a: error\[SB\d{3}\]: w"):
-        found.raise_if_errors()
+        diagnostics.raise_if_errors()
 
 
-def test_error_carries_all_findings(found: Diagnostics) -> None:
+def test_error_carries_all_findings(diagnostics: Diagnostics) -> None:
     """The exception at the end of a stage contains warnings, too; its text has only the errors."""
-    found.add(WARNING, "harmless", Span("a"))
-    found.add(ERROR, "bad", Span("a"))
+    diagnostics.add(WARNING, "harmless", Span("a"))
+    diagnostics.add(ERROR, "bad", Span("a"))
     with pytest.raises(StepbotError) as raised:
-        found.raise_if_errors()
+        diagnostics.raise_if_errors()
     assert len(raised.value.diagnostics) == 2
     assert "bad" in str(raised.value)
     assert "harmless" not in str(raised.value)

@@ -30,10 +30,10 @@ LIBRARY = Path(__file__).parents[3] / "robot_library"
 def assembly(folder: str) -> Assembly:
     """A robot of the library with its faces."""
     (step,) = (LIBRARY / folder).glob("*.step")
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     options = ReadOptions(faces=True, tolerance=MeshTolerance(relative=0.05, angle=0.8))
-    read = read_assembly(step, options, found)
-    assert read is not None, list(found)
+    read = read_assembly(step, options, diagnostics)
+    assert read is not None, list(diagnostics)
     return read
 
 

@@ -22,9 +22,9 @@ def evidence(*nodes: Node) -> Evidence:
     return found
 
 
-def strongest(found: Evidence) -> str:
+def strongest(evidence: Evidence) -> str:
     """Type or ``weld`` of the strongest evidence."""
-    best = found.ranked()[0]
+    best = evidence.ranked()[0]
     return str(getattr(best, "type", "weld"))
 
 

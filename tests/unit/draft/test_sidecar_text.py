@@ -63,11 +63,11 @@ def read(text: str, folder: Path) -> tuple[Sidecar, Diagnostics]:
     """The sidecar of a text, and the findings of its checks."""
     path = folder / "test.robot.yaml"
     path.write_bytes(text.encode())
-    found = Diagnostics()
-    loaded = load_sidecar(path, found)
-    assert loaded is not None, text + "\n".join(map(str, found))
-    check_sidecar(loaded, found)
-    return loaded, found
+    diagnostics = Diagnostics()
+    loaded = load_sidecar(path, diagnostics)
+    assert loaded is not None, text + "\n".join(map(str, diagnostics))
+    check_sidecar(loaded, diagnostics)
+    return loaded, diagnostics
 
 
 def built(draft: Draft, folder: Path, made: Workshop | None = None) -> tuple[Robot, Diagnostics]:
@@ -310,12 +310,14 @@ def test_a_fused_part_is_freed_by_its_two_lines() -> None:
     for line in ("# joints:", "  # arm:", "  # arm_joint:"):
         assert f"\n{line}" in text
         text = text.replace(f"\n{line}", f"\n{line.replace('# ', '')}")
-    found = Diagnostics()
-    sidecar = parse_sidecar(text.replace("limits: todo", "limits: {lower: -1, upper: 1}"), Path("r.robot.yaml"), found)
-    assert sidecar is not None, list(found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(
+        text.replace("limits: todo", "limits: {lower: -1, upper: 1}"), Path("r.robot.yaml"), diagnostics
+    )
+    assert sidecar is not None, list(diagnostics)
     made = shop()
-    result = build_robot(made.assembly, sidecar, lambda: made.measures, found)
-    assert result is not None, list(found)
+    result = build_robot(made.assembly, sidecar, lambda: made.measures, diagnostics)
+    assert result is not None, list(diagnostics)
     assert [(joint.name, joint.parent, joint.child) for joint in result.robot.joints] == [("arm_joint", "base", "arm")]
 
 

@@ -18,11 +18,11 @@ from tests.unit.driving.workbench import clamp, gripper, stage_of
 
 def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
     """Closures have the largest stiffness by default; a shorter time step makes them stiffer."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     result = Result("hold", (Measure("loop opening", 0.9, "pin"),), Plot("t", "mm", {}))
-    (verdict,) = judge("mujoco", "arm.xml", [result], demands({}), found)
+    (verdict,) = judge("mujoco", "arm.xml", [result], demands({}), diagnostics)
     assert verdict.status is Status.FAILED
-    (one,) = found
+    (one,) = diagnostics
     assert one.code == "SB830"
     assert "`simulation: {timestep:" in one.help[0]
 
@@ -32,9 +32,9 @@ def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
     result = Result("step", (Measure("overshoot", 24.0, "jaw"),), Plot("t", "%", {}))
     helps = []
     for facts in (Facts(), Facts(computed=frozenset({"jaw"}), light=frozenset({"jaw"})), Facts(frozenset({"jaw"}))):
-        found = Diagnostics()
-        tuple(judge("mujoco", "arm.xml", [result], demands({}), found, facts))
-        helps.append(next(iter(found)).help[0])
+        diagnostics = Diagnostics()
+        tuple(judge("mujoco", "arm.xml", [result], demands({}), diagnostics, facts))
+        helps.append(next(iter(diagnostics)).help[0])
     assert ["`gains: auto`" in one for one in helps] == [True, False, False]
     assert ["armature" in one for one in helps] == [False, True, False]
 
@@ -62,10 +62,12 @@ def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
 )
 def test_a_base_that_stays_behind_says_what_its_wheels_did(spin: Spin, engine: str, why: str, remedy: str) -> None:
     """A weak motor, one at its limit, and wheels that slip have different remedies; other numbers keep their own."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     measures = (Measure("distance error", 60.0), Measure("tilt", 60.0))
-    list(judge(engine, "base.xml", [Result("roll", measures, Plot("t", "mm", {}), spin=spin)], demands({}), found))
-    way, tilted = found
+    list(
+        judge(engine, "base.xml", [Result("roll", measures, Plot("t", "mm", {}), spin=spin)], demands({}), diagnostics)
+    )
+    way, tilted = diagnostics
     assert why in way.notes[0]
     assert remedy in way.help[0]
     assert len(tilted.notes) == 1
@@ -82,10 +84,10 @@ def test_links_that_overlap_at_the_start_are_the_likely_cause(tmp_path: Path) ->
     measures = (Measure("angle error", 60.0, "left"), Measure("angle drift", 60.0, "left"))
     result = Result("hold", measures, Plot("t", "mm", {}))
     for engine, named in (("mujoco", [True, False]), ("pybullet", [False, False])):
-        found = Diagnostics()
-        list(judge(engine, "r.xml", [result], demands({}), found, Facts(overlaps=overlaps)))
-        assert ["'left' and 'right' by 10 mm" in one.notes[0] for one in found] == named
-        assert ["`excluded_contacts: [[left, right]]`" in one.help[0] for one in found] == named
+        diagnostics = Diagnostics()
+        list(judge(engine, "r.xml", [result], demands({}), diagnostics, Facts(overlaps=overlaps)))
+        assert ["'left' and 'right' by 10 mm" in one.notes[0] for one in diagnostics] == named
+        assert ["`excluded_contacts: [[left, right]]`" in one.help[0] for one in diagnostics] == named
 
 
 SLIPPED = Grip("close", frozenset({"jaw", "hand"}), Cube(0.011, 0.2), (0.003, 0.13), 23.0, 0.04, Loss.SLIPPED, 0.49)
@@ -93,13 +95,13 @@ SLIPPED = Grip("close", frozenset({"jaw", "hand"}), Cube(0.011, 0.2), (0.003, 0.
 
 def judged(grip: Grip, facts: Facts, engine: str = "mujoco") -> Diagnostic:
     """The diagnostic on one gripper."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     measures = (Measure("slip", grip.slip, grip.joint), Measure("penetration", 0.2, grip.joint))
     (verdict,) = judge(
-        engine, "arm.xml", [Result("grip", measures, Plot("t", "mm", {}), (grip,))], demands({}), found, facts
+        engine, "arm.xml", [Result("grip", measures, Plot("t", "mm", {}), (grip,))], demands({}), diagnostics, facts
     )
     assert verdict.status is Status.FAILED
-    (one,) = found
+    (one,) = diagnostics
     assert bool(verdict.why) == (grip.loss is not None)
     assert verdict.why in one.message
     return one

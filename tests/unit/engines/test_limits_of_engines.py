@@ -58,8 +58,8 @@ def test_links_that_mujoco_cannot_have(tmp_path: Path) -> None:
     path.write_text(f"<mujoco><worldbody><body>{body}<joint/></body></worldbody></mujoco>", encoding="utf-8")
     with pytest.raises(EngineRefused, match=r"1e-14 kg m\^2\nhelp: check the length unit .* leave out MJCF"):
         engine_of("mujoco").observer.observe(Request(str(path), "mjcf"))
-    verify_files([path], found := Diagnostics())
-    assert [one.help[0][:21] for one in found if one.code == "SB801"] == ["check the length unit"]
+    verify_files([path], diagnostics := Diagnostics())
+    assert [one.help[0][:21] for one in diagnostics if one.code == "SB801"] == ["check the length unit"]
 
     small = _BODY.replace('"1"', '"1e-15"').replace('mass value="1e-15"', 'mass value="1e-9"')
     joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
@@ -125,10 +125,10 @@ def test_what_urdf_defines_is_the_same_in_every_engine(case: str, kind: str, tmp
     text, expected = _BOUNDS[case]
     path = tmp_path / "r.urdf"
     path.write_text(_ARM.format(bounds=text).replace("prismatic", kind), encoding="utf-8")
-    found = Diagnostics()
-    report = verify_files([path], found)
+    diagnostics = Diagnostics()
+    report = verify_files([path], diagnostics)
     reported = {name for name in ("mujoco", "pybullet", "yourdfpy") if engine_of(name).available() is None}
-    assert not [str(one) for one in found if one.severity == "error"]
+    assert not [str(one) for one in diagnostics if one.severity == "error"]
     assert reported <= {check.engine for check in report.checks if check.status is Status.PASSED}
     seen = {name: engine_of(name).observer.observe(Request(str(path), "urdf", simulate=0.0)) for name in reported}
     slides = {name: joint for name, one in seen.items() for joint in one.joints if joint.name == "slide"}
@@ -136,7 +136,7 @@ def test_what_urdf_defines_is_the_same_in_every_engine(case: str, kind: str, tmp
     assert {(limit.lower, limit.upper) for limit in limits.values()} == {expected}
     assert limits.keys() == reported - ({"mujoco"} if expected[0] == expected[1] else set())
     if "pybullet" in reported:
-        warned = [str(one) for one in found if "PyBullet takes 1 kg" in str(one)]
+        warned = [str(one) for one in diagnostics if "PyBullet takes 1 kg" in str(one)]
         assert len(warned) == 1
         assert "compared with 0: pad, tool" in warned[0]
         assert {link.name: link.mass for link in seen["pybullet"].links} == {"base": 1, "arm": 1, "pad": 0, "tool": 0}

@@ -70,9 +70,9 @@ LEFT_OUT = {
 
 def lowered(robot: Robot, format_: str, *codes: str) -> Robot:
     """The lowered robot, which must report exactly these codes."""
-    found = Diagnostics()
-    result = lower(robot, FORMATS[format_], found)
-    assert sorted({d.code for d in found} - {ALWAYS_IN_URDF}) == sorted(codes)
+    diagnostics = Diagnostics()
+    result = lower(robot, FORMATS[format_], diagnostics)
+    assert sorted({d.code for d in diagnostics} - {ALWAYS_IN_URDF}) == sorted(codes)
     return result
 
 
@@ -109,12 +109,12 @@ def test_every_loss_is_an_error_when_strict(format_: str) -> None:
     for feature, support in FORMATS[format_].expresses.items():
         if support.level is Level.REPORTED and feature not in SAID_BY_WHO_LOADS:
             assert CODES[support.code].severity == "warning", feature
-    found = Diagnostics()
-    lower(equipped(), FORMATS[format_], found)
-    left_out = {diagnostic.code for diagnostic in found if diagnostic.severity == "warning"}
-    found.make_strict()
+    diagnostics = Diagnostics()
+    lower(equipped(), FORMATS[format_], diagnostics)
+    left_out = {diagnostic.code for diagnostic in diagnostics if diagnostic.severity == "warning"}
+    diagnostics.make_strict()
     assert left_out == {f"SB760:{feature}" for feature in LEFT_OUT[format_].split()}
-    assert {diagnostic.code for diagnostic in found if diagnostic.severity == "error"} == left_out
+    assert {diagnostic.code for diagnostic in diagnostics if diagnostic.severity == "error"} == left_out
 
 
 @every_format
@@ -163,14 +163,14 @@ def test_lowering_leaves_mass_and_motion(name: str, format_: str) -> None:
             assert poses[link].distance_to(X_WL) == pytest.approx((0, 0), abs=1e-12)
 
 
-def test_urdf_leaves_out_closures_by_name(found: ReadDiagnostics) -> None:
+def test_urdf_leaves_out_closures_by_name(diagnostics: ReadDiagnostics) -> None:
     """An omitted closure is a warning that names the closure and both links."""
-    stated = lower(four_bar(), FORMATS["urdf"], found)
+    stated = lower(four_bar(), FORMATS["urdf"], diagnostics)
     assert stated.closures == ()
-    (message,) = [str(d) for d in found if d.code == "SB760:closure"]
+    (message,) = [str(d) for d in diagnostics if d.code == "SB760:closure"]
     assert message.startswith("four_bar.urdf: warning[SB760:closure]: URDF: ")
     assert all(name in message for name in ("'rocker_pin'", "'coupler'", "'rocker'"))
-    assert found.exit_code == 0
+    assert diagnostics.exit_code == 0
 
 
 def test_urdf_bounds_what_is_unlimited() -> None:
@@ -203,10 +203,10 @@ def test_damping_beyond_the_step_of_pybullet_is_reported(share: float, reported:
     robot = pendulum()
     (inertia,) = equations_of_motion(robot, {}).mass_matrix.diagonal()
     dynamics = JointDynamics(damping=share * 2.0 * inertia * 240.0, armature=100.0 * inertia)
-    robot, found = replace(robot, joints=(replace(robot.joints[0], dynamics=dynamics),)), Diagnostics()
+    robot, diagnostics = replace(robot, joints=(replace(robot.joints[0], dynamics=dynamics),)), Diagnostics()
     for format_ in ("urdf", "mjcf", "sdf"):
-        lower(robot, FORMATS[format_], found)
-    stated = [one.message for one in found if one.code == "SB760:stiff-damping"]
+        lower(robot, FORMATS[format_], diagnostics)
+    stated = [one.message for one in diagnostics if one.code == "SB760:stiff-damping"]
     where = f"in steps longer than 3.8 ms, '{robot.joints[0].name}'"
     how = "PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints"
     assert stated == reported * [f"URDF: {how}: {where}"]
@@ -271,14 +271,14 @@ def test_frames_become_links_in_urdf() -> None:
     assert stated.frames == ()
 
 
-def test_names_that_collide_are_changed_and_reported(found: ReadDiagnostics) -> None:
+def test_names_that_collide_are_changed_and_reported(diagnostics: ReadDiagnostics) -> None:
     """Where links, joints and frames share one namespace, duplicate joints and frames are renamed everywhere."""
     robot = odd_names()
     robot = replace(robot, frames=(*robot.frames, Frame("joint no. 1", "末端"), Frame("звено 1,5", "末端")))
-    stated = lower(robot, FORMATS["sdf"], found)
+    stated = lower(robot, FORMATS["sdf"], diagnostics)
     assert [joint.name for joint in stated.joints] == ["joint no. 1", "末端_joint"]
     assert [frame.name for frame in stated.frames] == ["Werkzeug (rechts)", "joint no. 1_frame", "звено 1,5_frame"]
-    messages = [d.message for d in found if d.code in ("SB761:joint-name", "SB761:frame-name")]
+    messages = [d.message for d in diagnostics if d.code in ("SB761:joint-name", "SB761:frame-name")]
     assert messages[0].endswith("'末端' is now '末端_joint'")
     assert len(messages) == 2
     assert lower(robot, FORMATS["mjcf"], Diagnostics()).frames == robot.frames
@@ -322,47 +322,49 @@ def test_loop_zeros_move_only_in_loops() -> None:
     ],
 )
 def test_joints_of_several_freedoms_are_split(
-    format_: str, kind: JointKind, chain: dict[str, str], found: ReadDiagnostics
+    format_: str, kind: JointKind, chain: dict[str, str], diagnostics: ReadDiagnostics
 ) -> None:
     """A multi-dof joint becomes single joints; the links between them have neither mass nor shape, with a warning."""
     robot = pendulum()
-    stated = lower(replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], found)
+    stated = lower(
+        replace(robot, joints=(replace(robot.joints[0], kind=kind, pitch=0.001),)), FORMATS[format_], diagnostics
+    )
     assert {joint.name: joint.kind for joint in stated.joints} == {f"swing{end}": k for end, k in chain.items()}
     between = [link for link in stated.links if link.name not in robot.link_by_name]
     assert between == [Link(f"swing{end}_link") for end in list(chain)[:-1]]
     assert [joint.child for joint in stated.joints] == [*(link.name for link in between), "bob"]
-    assert f"SB761:{kind}" in found.codes()
+    assert f"SB761:{kind}" in diagnostics.codes()
 
 
 @pytest.mark.parametrize("format_", ["sdf", "mjcf"])
-def test_formats_keep_the_joints_that_they_have(format_: str, found: ReadDiagnostics) -> None:
+def test_formats_keep_the_joints_that_they_have(format_: str, diagnostics: ReadDiagnostics) -> None:
     """Ball, universal and screw joints that a format supports are unchanged."""
     for kind in (JointKind.BALL, JointKind.UNIVERSAL, JointKind.SCREW):
         robot = replace(pendulum(), joints=(replace(pendulum().joints[0], kind=kind, pitch=0.001),))
-        assert lower(robot, FORMATS[format_], found).joints[0].kind is kind
-    assert "SB761:ball" not in found.codes()
+        assert lower(robot, FORMATS[format_], diagnostics).joints[0].kind is kind
+    assert "SB761:ball" not in diagnostics.codes()
 
 
 @pytest.mark.parametrize(("format_", "forces"), [("sdf", False), ("mjcf", True)])
-def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, found: ReadDiagnostics) -> None:
+def test_what_a_ball_joint_cannot_have_is_left_out(format_: str, forces: bool, diagnostics: ReadDiagnostics) -> None:
     """The effort limit of a ball joint is omitted in both formats, damping in SDFormat, each with a warning."""
     robot = ROBOTS["ball"]()
-    stated = lower(robot, FORMATS[format_], found).joints[0]
+    stated = lower(robot, FORMATS[format_], diagnostics).joints[0]
     assert stated.limit == Limit()
     assert (stated.dynamics.damping == robot.joints[0].dynamics.damping) is forces
-    assert "SB760:ball-limit" in found.codes()
-    assert ("SB760:ball-force" in found.codes()) is not forces
+    assert "SB760:ball-limit" in diagnostics.codes()
+    assert ("SB760:ball-force" in diagnostics.codes()) is not forces
 
 
-def test_a_sliding_closure_is_cut_at_a_pin(found: ReadDiagnostics) -> None:
+def test_a_sliding_closure_is_cut_at_a_pin(diagnostics: ReadDiagnostics) -> None:
     """MJCF has no sliding constraint: the cylinder becomes a joint, and the wrist closes the loop."""
     robot = sliding_closure()
-    stated = lower(robot, FORMATS["mjcf"], found)
+    stated = lower(robot, FORMATS["mjcf"], diagnostics)
     assert [(closure.name, closure.kind) for closure in stated.closures] == [("wrist", JointKind.REVOLUTE)]
     assert stated.joint_by_name["cylinder"].kind is JointKind.PRISMATIC
     assert (stated.joint_by_name["cylinder"].parent, stated.joint_by_name["cylinder"].child) == ("block", "piston")
     assert degrees_of_freedom(stated) == degrees_of_freedom(robot) == 1
-    assert "SB763:sliding-closure" in found.codes()
+    assert "SB763:sliding-closure" in diagnostics.codes()
 
 
 @pytest.mark.parametrize("actuated", [(), ("big_end",), ("shaft",), ("wrist", "big_end")])
@@ -388,42 +390,44 @@ def test_a_loop_cut_elsewhere_moves_equally(actuated: tuple[str, ...]) -> None:
                 np.testing.assert_allclose(before[link.name].apply(com), after[link.name].apply(moved), atol=1e-9)
 
 
-def test_a_sliding_closure_without_a_plain_pin_is_an_error(found: ReadDiagnostics) -> None:
+def test_a_sliding_closure_without_a_plain_pin_is_an_error(diagnostics: ReadDiagnostics) -> None:
     """A sliding closure without a plain pin to cut is an error: a constraint has no dynamics, limits or actuator."""
     robot = sliding_closure()
     joints = tuple(replace(joint, dynamics=JointDynamics(damping=1.0)) for joint in robot.joints)
-    assert render(replace(robot, joints=joints), "mjcf", found) == {}
-    assert "SB764:stuck-closure" in found.codes()
+    assert render(replace(robot, joints=joints), "mjcf", diagnostics) == {}
+    assert "SB764:stuck-closure" in diagnostics.codes()
 
 
-def test_a_loop_is_cut_at_a_pin_with_limits_of_its_motor(found: ReadDiagnostics) -> None:
+def test_a_loop_is_cut_at_a_pin_with_limits_of_its_motor(diagnostics: ReadDiagnostics) -> None:
     """A default effort on all joints keeps no loop from being cut at a passive pin; a note names what is left out."""
     robot = sliding_closure()
     joints = tuple(replace(joint, limit=replace(joint.limit, effort=1.0)) for joint in robot.joints)
-    stated = lower(replace(robot, joints=joints), FORMATS["mjcf"], found)
+    stated = lower(replace(robot, joints=joints), FORMATS["mjcf"], diagnostics)
     assert [closure.name for closure in stated.closures] == ["wrist"]
-    (note,) = (one for one in found if one.code == "SB763:sliding-closure")
+    (note,) = (one for one in diagnostics if one.code == "SB763:sliding-closure")
     assert "'cylinder' at 'wrist', without its limits of effort and velocity" in note.message
 
 
 @pytest.mark.parametrize(
     ("format_", "name"), [("urdf", "world"), ("sdf", "world"), ("sdf", "__model__"), ("sdf", "a::b"), ("mjcf", "world")]
 )
-def test_reserved_names_are_errors(format_: str, name: str, found: ReadDiagnostics) -> None:
+def test_reserved_names_are_errors(format_: str, name: str, diagnostics: ReadDiagnostics) -> None:
     """A link named like a reserved word of the format is an error."""
     robot = pendulum()
     root = replace(robot.root, name=name)
     robot = replace(robot, links=(root, robot.links[1]), joints=(replace(robot.joints[0], parent=name),))
-    assert render(robot, format_, found) == {}
-    assert "SB764:reserved-name" in found.codes()
+    assert render(robot, format_, diagnostics) == {}
+    assert "SB764:reserved-name" in diagnostics.codes()
 
 
-def test_floating_base_is_written_where_supported(found: ReadDiagnostics) -> None:
+def test_floating_base_is_written_where_supported(diagnostics: ReadDiagnostics) -> None:
     """Only URDF leaves the base to its reader."""
     robot = replace(pendulum(), base=Base.FLOATING)
     for format_ in FORMATS:
-        lower(robot, FORMATS[format_], found)
-    assert [(d.span.file, d.severity) for d in found if d.code == "SB762:floating-base"] == [("pendulum.urdf", "note")]
+        lower(robot, FORMATS[format_], diagnostics)
+    assert [(d.span.file, d.severity) for d in diagnostics if d.code == "SB762:floating-base"] == [
+        ("pendulum.urdf", "note")
+    ]
 
 
 @pytest.mark.parametrize("facets", [20, 2000])
@@ -450,18 +454,20 @@ def test_links_without_mass_get_some_in_usd() -> None:
         np.testing.assert_array_equal(body.inertia, STAND_IN_MOMENT * np.eye(3))
 
 
-def test_a_mimic_between_an_angle_and_a_distance_is_left_out_of_usd(found: ReadDiagnostics) -> None:
+def test_a_mimic_between_an_angle_and_a_distance_is_left_out_of_usd(diagnostics: ReadDiagnostics) -> None:
     """Newton's mimics relate joints of one type; a screw's two halves are of two."""
-    stated = lower(ROBOTS["screw"](), FORMATS["usd"], found)
+    stated = lower(ROBOTS["screw"](), FORMATS["usd"], diagnostics)
     assert stated.joint_by_name["spindle_slide"].mimic is None
     assert stated.joint_by_name["hinge"].mimic == ROBOTS["screw"]().joint_by_name["hinge"].mimic
-    assert "'spindle_slide' after 'spindle'" in next(one.message for one in found if one.code == "SB760:mixed-mimic")
+    assert "'spindle_slide' after 'spindle'" in next(
+        one.message for one in diagnostics if one.code == "SB760:mixed-mimic"
+    )
 
 
-def test_usd_has_one_actuator_for_each_joint(found: ReadDiagnostics) -> None:
+def test_usd_has_one_actuator_for_each_joint(diagnostics: ReadDiagnostics) -> None:
     """A joint with several actuators keeps the first."""
     robot = equipped()
-    stated = lower(robot, FORMATS["usd"], found)
+    stated = lower(robot, FORMATS["usd"], diagnostics)
     first = {actuator.joint: actuator.name for actuator in reversed(robot.actuators)}
     assert [one.name for one in stated.actuators] == [a.name for a in robot.actuators if a.name in first.values()]
     assert len(stated.actuators) == len(first) < len(robot.actuators)

@@ -19,10 +19,10 @@ NEW = {"damping", "interval", "nsample"}
 
 def written(robot: Robot, version: float) -> tuple[ET.Element, Diagnostics]:
     """The MJCF, and what was reported."""
-    found = Diagnostics()
-    lowered = lower(replace(robot, versions=FormatVersions(mjcf=version)), MJCF, found)
+    diagnostics = Diagnostics()
+    lowered = lower(replace(robot, versions=FormatVersions(mjcf=version)), MJCF, diagnostics)
     files = files_of(lowered, MJCF)
-    return ET.fromstring(next(iter(files.values()))), found
+    return ET.fromstring(next(iter(files.values()))), diagnostics
 
 
 def devices(tree: ET.Element) -> list[ET.Element]:

@@ -88,9 +88,11 @@ def test_every_robot_keeps_the_schema(name: str, validator: jsonschema.Draft2020
     assert faults(validator, json.loads(report_bytes(report, Diagnostics()))) == []
 
 
-def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validator, found: ReadDiagnostics) -> None:
+def test_a_full_report_keeps_the_schema(
+    validator: jsonschema.Draft202012Validator, diagnostics: ReadDiagnostics
+) -> None:
     """A report with mass sources, measured bodies, names, notes and diagnostics conforms to the schema."""
-    found.add("SB810", "links overlap", Span("arm.step", 3, 4), help=["move them"], notes=["by 1 mm"])
+    diagnostics.add("SB810", "links overlap", Span("arm.step", 3, 4), help=["move them"], notes=["by 1 mm"])
     source = ComponentMass("arm/upper", 0.9, 2700.0, 0.9 / 2700.0, "parts rule '**'", "mesh")
     given = ComponentMass("arm/motor", 0.1, None, 5e-5, "parts rule 'motor'", "given")
     robot = two_link_arm()
@@ -104,7 +106,7 @@ def test_a_full_report_keeps_the_schema(validator: jsonschema.Draft202012Validat
         names={"a": "b"},
         bodies=(body,),
     )
-    document = report_document(report, found)
+    document = report_document(report, diagnostics)
     assert faults(validator, document) == []
     assert document["diagnostics"][0]["line"] == 3
     assert [one["density"] for one in document["robot"]["links"][0]["sources"]] == [2700.0, None]

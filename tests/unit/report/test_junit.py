@@ -51,11 +51,11 @@ def test_counts_and_cases() -> None:
 
 def test_errors_of_the_conversion() -> None:
     """A robot with errors fails its first case; one that could not be read is an error."""
-    found, lost = Diagnostics(), Diagnostics()
-    found.add("SB301", "no component 'x'", Span("a.robot.yaml", 3, 1))
-    found.add("SB760:armature", "armatures are omitted", Span("a.urdf"))
+    diagnostics, lost = Diagnostics(), Diagnostics()
+    diagnostics.add("SB301", "no component 'x'", Span("a.robot.yaml", 3, 1))
+    diagnostics.add("SB760:armature", "armatures are omitted", Span("a.urdf"))
     lost.add("SB001", "no file", Span("b.robot.yaml"))
-    root = ET.fromstring(junit_bytes([Suite("a", [], tuple(found)), Suite("b", [], tuple(lost))]))
+    root = ET.fromstring(junit_bytes([Suite("a", [], tuple(diagnostics)), Suite("b", [], tuple(lost))]))
     assert (root.get("failures"), root.get("errors")) == ("1", "1")
     (failure,) = root.iter("failure")
     assert failure.get("type") == "SB301"

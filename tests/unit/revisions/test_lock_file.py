@@ -35,8 +35,8 @@ LOCK = Snapshot(
 def read(path: Path, content: bytes, robot: str = "arm") -> tuple[Snapshot | None, list[tuple[str, str]]]:
     """The content of a lock file, and the codes and messages of its errors."""
     path.write_bytes(content)
-    found = Diagnostics()
-    return read_lock(path, robot, found), [(one.code, one.message) for one in found]
+    diagnostics = Diagnostics()
+    return read_lock(path, robot, diagnostics), [(one.code, one.message) for one in diagnostics]
 
 
 def test_what_was_written_is_read_back(tmp_path: Path) -> None:
@@ -57,9 +57,9 @@ def test_each_record_is_one_line() -> None:
 
 def test_no_lock_is_no_error(tmp_path: Path) -> None:
     """A missing lock is not reported."""
-    found = Diagnostics()
-    assert read_lock(tmp_path / "arm.lock.json", "arm", found) is None
-    assert not list(found)
+    diagnostics = Diagnostics()
+    assert read_lock(tmp_path / "arm.lock.json", "arm", diagnostics) is None
+    assert not list(diagnostics)
 
 
 @pytest.mark.parametrize("name", ["arm.robot.yaml", "arm.robot.yml", "arm.yaml"])

@@ -167,7 +167,7 @@ def test_engines_read_the_urdf_of_a_parallelogram(engine: str, longer: float, tm
 
 def test_the_deviation_is_in_the_note() -> None:
     """SB763:follower names each joint with its line and its deviation."""
-    found = Diagnostics()
-    render(parallelogram(), "urdf", found)
-    (note,) = [one for one in found if one.code == "SB763:follower"]
+    diagnostics = Diagnostics()
+    render(parallelogram(), "urdf", diagnostics)
+    (note,) = [one for one in diagnostics if one.code == "SB763:follower"]
     assert "'swing' = 1 x 'turn', within 1e-09 rad" in note.message

@@ -15,7 +15,7 @@ def _mesh(size: float) -> TriMesh:
     return TriMesh.of(size * np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
 
 
-def test_equal_meshes_become_the_first(found: ReadDiagnostics) -> None:
+def test_equal_meshes_become_the_first(diagnostics: ReadDiagnostics) -> None:
     """References to the second of two equal meshes refer to the first, and the second is removed."""
     link = Link(
         "a",
@@ -29,7 +29,7 @@ def test_equal_meshes_become_the_first(found: ReadDiagnostics) -> None:
     assert [asset.name for asset in robot.meshes] == ["bolt", "nut"]
 
 
-def test_unused_meshes_are_removed(found: ReadDiagnostics) -> None:
+def test_unused_meshes_are_removed(diagnostics: ReadDiagnostics) -> None:
     """An unused mesh is removed."""
     assert share_meshes(Robot("r", (Link("a"),), meshes=(MeshAsset("m", _mesh(1.0)),))).meshes == ()
 

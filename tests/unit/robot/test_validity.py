@@ -39,9 +39,9 @@ SOLID = MassProperties.of(1.0, (0, 0, 0), np.diag([1.0, 1.0, 1.0]))
 
 
 def _codes(robot: Robot) -> list[str]:
-    found = Diagnostics()
-    check_robot(robot, found)
-    return [diagnostic.code for diagnostic in found]
+    diagnostics = Diagnostics()
+    check_robot(robot, diagnostics)
+    return [diagnostic.code for diagnostic in diagnostics]
 
 
 def _pair(joint: Joint | None = None, **changes: object) -> Robot:
@@ -173,17 +173,17 @@ def test_each_fault_has_its_code(fault: str) -> None:
 @pytest.mark.parametrize("fault", [fault for fault, (code, _) in BROKEN.items() if code == "SB414"])
 def test_numbers_that_no_engine_takes_have_a_remedy(fault: str) -> None:
     """Numbers of a source, such as a density in a STEP file, are the user's to correct."""
-    found = Diagnostics()
-    check_robot(BROKEN[fault][1], found)
-    assert all(one.help for one in found)
+    diagnostics = Diagnostics()
+    check_robot(BROKEN[fault][1], diagnostics)
+    assert all(one.help for one in diagnostics)
 
 
 @pytest.mark.parametrize(("fault", "size"), [("dust", "mass of 0.2 g"), ("giant", "size of 20.1 m")])
 def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
     """For a robot that is far too large or too light the warning names the unit of its file."""
-    found = Diagnostics()
-    check_robot(replace(BROKEN[fault][1], source="arm.step"), found, unit="inch")
-    (warning,) = found
+    diagnostics = Diagnostics()
+    check_robot(replace(BROKEN[fault][1], source="arm.step"), diagnostics, unit="inch")
+    (warning,) = diagnostics
     assert warning.severity == "warning"
     assert warning.message.endswith(f"{size}; check the length unit of arm.step (inch)")
     assert warning.help == ("if it was drawn in another unit, export it again with that unit",)
@@ -191,9 +191,9 @@ def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
 
 def test_a_giant_in_metres_may_be_drawn_in_millimetres() -> None:
     """The remedy gives the size in millimetres; the place is that of the STEP file's name."""
-    found, place = Diagnostics(), Span("arm.robot.yaml", 3, 7)
-    check_robot(BROKEN["giant"][1], found, unit="m", places=lambda: {"step": place})
-    (warning,) = found
+    diagnostics, place = Diagnostics(), Span("arm.robot.yaml", 3, 7)
+    check_robot(BROKEN["giant"][1], diagnostics, unit="m", places=lambda: {"step": place})
+    (warning,) = diagnostics
     assert warning.span == place
     assert warning.help == ("if it was drawn in mm, it is 0.0201 m large: export it again with that unit",)
 
@@ -201,18 +201,18 @@ def test_a_giant_in_metres_may_be_drawn_in_millimetres() -> None:
 def test_no_mass_is_reported_once() -> None:
     """Where a moving link without mass is an error, that is no further doubt; descriptions may have none."""
     assert set(_codes(_pair(links=(Link("a"), Link("b"))))) == {"SB508"}
-    found = Diagnostics()
-    check_robot(Robot("stand", (Link("a"),)), found, massless_between=True)
-    assert not list(found)
+    diagnostics = Diagnostics()
+    check_robot(Robot("stand", (Link("a"),)), diagnostics, massless_between=True)
+    assert not list(diagnostics)
 
 
 def test_a_size_due_to_collision_shapes_is_no_doubt_of_the_unit() -> None:
     """The links are named whose shapes are large, and the first is the place of the warning."""
     huge = Link("b", SOLID, collisions=(Collision("c", Box((25.0, 1.0, 1.0))),))
     robot = _pair(links=(replace(SEEN, collisions=(Collision("s", Box((0.5, 0.5, 0.5))),)), huge), meshes=(_mesh(0.3),))
-    found, place = Diagnostics(), Span("arm.robot.yaml", 4, 5)
-    check_robot(robot, found, unit="mm", places=lambda: {"link 'b': collision": place})
-    (warning,) = found
+    diagnostics, place = Diagnostics(), Span("arm.robot.yaml", 4, 5)
+    check_robot(robot, diagnostics, unit="mm", places=lambda: {"link 'b': collision": place})
+    (warning,) = diagnostics
     assert (warning.code, warning.span) == ("SB420", place)
     assert warning.message == "robot 'pair': size of 25 m, 0.3 m without the collision shapes of 'b'"
 
@@ -232,11 +232,11 @@ def test_size_of_primitive_shapes(geometry: Geometry, size: tuple[float, float, 
     """A robot of one shape, turned by 30 degrees, is as large as the closed form of its box."""
     turned = Pose.from_xyz_rpy((1.0, 2.0, 3.0), (pi / 6, 0.0, 0.0))
     robot = Robot("one", (Link("a", SOLID, collisions=(Collision("c", geometry, turned),)),))
-    found = Diagnostics()
-    check_robot(robot, found)
+    diagnostics = Diagnostics()
+    check_robot(robot, diagnostics)
     (x, y, z), c, s = size, cos(pi / 6), sin(pi / 6)
     largest = max(x, c * y + s * z, s * y + c * z)
-    (warning,) = (one for one in found if one.code == "SB420")
+    (warning,) = (one for one in diagnostics if one.code == "SB420")
     assert f"size of {largest:.3g} m" in warning.message
 
 
@@ -249,11 +249,11 @@ def test_limits_of_size_and_mass(size: float, mass: float, codes: set[str]) -> N
 
 def test_faults_are_reported_where_their_element_is_described() -> None:
     """An impossible inertia at the `inertial`, limits at the joint, else the source as a whole."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     robot = _pair(_hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))))
     places = {"link 'b': inertial": Span("arm.robot.yaml", 7, 3), "joint 'j'": Span("arm.robot.yaml", 9, 3)}
-    check_robot(robot, found, Span("arm.robot.yaml"), places=lambda: places)
-    assert [(d.code, d.span.line) for d in found] == [("SB456", 9), ("SB509", 7)]
+    check_robot(robot, diagnostics, Span("arm.robot.yaml"), places=lambda: places)
+    assert [(d.code, d.span.line) for d in diagnostics] == [("SB456", 9), ("SB509", 7)]
 
 
 SOUND: dict[str, Robot] = {
@@ -283,14 +283,14 @@ def test_what_is_allowed(case: str) -> None:
 
 def test_all_faults_at_once() -> None:
     """Independent errors are reported together, at the given place."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     span = Span("arm.robot.yaml", 3, 1)
     robot = _pair(
         _hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))), base=Base.FLOATING
     )
-    check_robot(robot, found, span)
-    assert [d.code for d in found] == ["SB456", "SB509"]
-    assert {d.span for d in found} == {span}
+    check_robot(robot, diagnostics, span)
+    assert [d.code for d in diagnostics] == ["SB456", "SB509"]
+    assert {d.span for d in diagnostics} == {span}
 
 
 @pytest.mark.parametrize(

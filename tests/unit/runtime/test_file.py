@@ -44,8 +44,8 @@ def test_names_that_cannot_be_files(tmp_path: Path, kind: str) -> None:
     assert resolved(path).is_absolute()
     if kind != "surrogate":
         before = sorted(tmp_path.iterdir())
-        write_file(path, b"new", found := Diagnostics())
-        assert [one.code for one in found] == ["SB004"]
+        write_file(path, b"new", diagnostics := Diagnostics())
+        assert [one.code for one in diagnostics] == ["SB004"]
         assert sorted(tmp_path.iterdir()) == before
 
 
@@ -58,8 +58,8 @@ def test_only_regular_files_are_opened(tmp_path: Path, device: str) -> None:
     for name in (path, tmp_path / "link"):
         with pytest.raises(OSError, match=r"regular|directory"):
             open_regular(name)
-        write_file(name, b"new", found := Diagnostics())
-        assert [one.code for one in found] == ["SB004"]
+        write_file(name, b"new", diagnostics := Diagnostics())
+        assert [one.code for one in diagnostics] == ["SB004"]
     assert (tmp_path / "link").is_symlink()
     assert not path.is_file()
 
@@ -72,12 +72,12 @@ def test_written_in_place(tmp_path: Path) -> None:
     target.write_bytes(b"old")
     target.chmod(0o640)
     link.symlink_to("there/arm.robot.yaml")
-    write_file(link, b"new", found := Diagnostics(), replaces=b"old")
-    assert not list(found)
+    write_file(link, b"new", diagnostics := Diagnostics(), replaces=b"old")
+    assert not list(diagnostics)
     assert link.is_symlink()
     assert (read_regular(target), target.stat().st_mode & 0o777) == (b"new", 0o640)
-    write_file(link, b"newer", found, replaces=b"old")
-    assert [one.message for one in found] == ["cannot write the file: it was changed elsewhere meanwhile"]
+    write_file(link, b"newer", diagnostics, replaces=b"old")
+    assert [one.message for one in diagnostics] == ["cannot write the file: it was changed elsewhere meanwhile"]
     assert target.read_bytes() == b"new"
     assert sorted(path.name for path in target.parent.iterdir()) == ["arm.robot.yaml"]
 
@@ -85,6 +85,6 @@ def test_written_in_place(tmp_path: Path) -> None:
 def test_longest_name(tmp_path: Path) -> None:
     """A file whose name is as long as the file system allows is written."""
     path = tmp_path / f"{'x' * 250}.yaml"
-    write_file(path, b"new", found := Diagnostics())
-    assert not list(found)
+    write_file(path, b"new", diagnostics := Diagnostics())
+    assert not list(diagnostics)
     assert path.read_bytes() == b"new"

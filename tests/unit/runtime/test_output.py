@@ -371,17 +371,19 @@ def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.Monk
 @pytest.mark.skipif(os.name == "nt", reason="locked in another way on Windows")
 def test_file_system_without_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a file system without locks, files are written with a note."""
-    found = Diagnostics()
-    write_atomically(ARM, tmp_path, diagnostics=found)
-    assert not list(found)
+    diagnostics = Diagnostics()
+    write_atomically(ARM, tmp_path, diagnostics=diagnostics)
+    assert not list(diagnostics)
 
     def no_locks(descriptor: int, operation: int) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
     monkeypatch.setattr("fcntl.flock", no_locks)
-    write_atomically(ARM, tmp_path / "out", diagnostics=found)
+    write_atomically(ARM, tmp_path / "out", diagnostics=diagnostics)
     assert contents(tmp_path / "out") == ARM
-    assert [(one.code, one.severity, one.span.file) for one in found] == [("SB011", "note", str(tmp_path / "out"))]
+    assert [(one.code, one.severity, one.span.file) for one in diagnostics] == [
+        ("SB011", "note", str(tmp_path / "out"))
+    ]
 
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])

@@ -151,9 +151,9 @@ def test_names_and_all_references() -> None:
     expected = REFERENCES.replace("base", "torso").replace("# the torso", "# the base")
     assert link == expected.replace("[torso, elbow]", "[base, elbow]").replace("{center: torso}", "{center: base}")
     for changed in (joint, link):
-        found = Diagnostics()
-        check_sidecar(parsed(changed), found)
-        assert not found.has_errors, list(found)
+        diagnostics = Diagnostics()
+        check_sidecar(parsed(changed), diagnostics)
+        assert not diagnostics.has_errors, list(diagnostics)
     with pytest.raises(Refused, match="there is a joint 'wrist' already"):
         after(REFERENCES, action="rename", what="joint", **{"from": "elbow", "to": "wrist"})
     several = REFERENCES.replace("  elbow: {limits: {velocity: 1}}", '  "elb*": {limits: {velocity: 1}}')

@@ -42,8 +42,8 @@ frames:
 
 def parsed(text: str) -> Sidecar:
     """A sidecar without errors."""
-    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found := Diagnostics())
-    assert sidecar is not None, list(found)
+    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), diagnostics := Diagnostics())
+    assert sidecar is not None, list(diagnostics)
     return sidecar
 
 

@@ -17,11 +17,11 @@ from tests.unit.sidecar.samples import FULL
 
 def checked(text: str) -> Diagnostics:
     """The findings of loading and checking a text."""
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("a.robot.yaml"), diagnostics)
     if sidecar is not None:
-        check_sidecar(sidecar, found)
-    return found
+        check_sidecar(sidecar, diagnostics)
+    return diagnostics
 
 
 def codes(text: str) -> list[str]:
@@ -258,11 +258,11 @@ def test_limits_that_are_to_do_name_the_stops_of_the_draft(
     comments = "".join(f"  # stop found by collision at {at}: 'a' and 'b'; a limit may be closer\n" for at in stops)
     joint = f"  # score 0.95: m\n{comments}  turn:\n    {{type: {kind}, parent: base, child: arm, limits: todo}}\n"
     text = f"version: 1\nrobot: r\nstep: r.step\nlinks: {{base: {{rest: true}}, arm: {{parts: [a]}}}}\njoints:\n{joint}"
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("r.robot.yaml"), found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("r.robot.yaml"), diagnostics)
     assert sidecar is not None
-    check_sidecar(sidecar, found)
-    (placeholder,) = (one for one in found if one.code == "SB463")
+    check_sidecar(sidecar, diagnostics)
+    (placeholder,) = (one for one in diagnostics if one.code == "SB463")
     assert placeholder.help == remedies
 
 
@@ -393,16 +393,16 @@ joints:
   f: {{type: {follower}, parent: a, child: c, mimic: {{joint: l, multiplier: {multiplier}}},
       limits: {{lower: -1, upper: 1}}}}
 """
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
-    assert sidecar is not None, list(map(str, found))
-    check_sidecar(sidecar, found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("a.robot.yaml"), diagnostics)
+    assert sidecar is not None, list(map(str, diagnostics))
+    check_sidecar(sidecar, diagnostics)
     mimic = sidecar.document.joints["f"].mimic
     assert mimic is not None
     if value is None:
-        assert [one.code for one in found] == ["SB138"]
+        assert [one.code for one in diagnostics] == ["SB138"]
     else:
-        assert not list(found)
+        assert not list(diagnostics)
         assert mimic.multiplier.value == pytest.approx(value, rel=1e-12)
 
 

@@ -22,9 +22,9 @@ from stepbot.sidecar.tree import Tree, plain_data, span
 FILE = "a.robot.yaml"
 
 
-def composed(text: str, found: Diagnostics) -> Tree:
+def composed(text: str, diagnostics: Diagnostics) -> Tree:
     """The tree of a text with a value."""
-    tree = compose(text, FILE, found)
+    tree = compose(text, FILE, diagnostics)
     assert tree is not None
     return tree
 
@@ -58,9 +58,9 @@ def composed(text: str, found: Diagnostics) -> Tree:
         ("9" * 30, 1e30),
     ],
 )
-def test_scalars_follow_the_core_schema(text: str, value: object, found: Diagnostics) -> None:
+def test_scalars_follow_the_core_schema(text: str, value: object, diagnostics: Diagnostics) -> None:
     """Plain scalars follow YAML 1.2.2, section 10.3.2; quoted ones are strings."""
-    data = plain_data(composed(f"a: {text}", found))["a"]
+    data = plain_data(composed(f"a: {text}", diagnostics))["a"]
     assert data == value
     assert type(data) is type(value)
 
@@ -81,20 +81,20 @@ VALUES = st.recursive(
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_json_comes_back(data: object) -> None:
     """Output of the standard library's JSON writer is read unchanged."""
-    found = Diagnostics()
-    assert plain_data(composed(json.dumps(data, ensure_ascii=False), found)) == data
-    assert len(found) == 0
+    diagnostics = Diagnostics()
+    assert plain_data(composed(json.dumps(data, ensure_ascii=False), diagnostics)) == data
+    assert len(diagnostics) == 0
 
 
 @pytest.mark.slow
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_block_style_comes_back(data: object) -> None:
     """Block-style output of ruamel.yaml is read unchanged."""
-    writer, stream, found = YAML(typ="safe", pure=True), io.StringIO(), Diagnostics()
+    writer, stream, diagnostics = YAML(typ="safe", pure=True), io.StringIO(), Diagnostics()
     writer.default_flow_style = False
     writer.dump(data, stream)
-    assert plain_data(composed(stream.getvalue(), found)) == data
-    assert len(found) == 0
+    assert plain_data(composed(stream.getvalue(), diagnostics)) == data
+    assert len(diagnostics) == 0
 
 
 def is_plain(data: object) -> bool:
@@ -116,9 +116,9 @@ def test_any_text_ends_in_a_value_or_a_fault(text: str) -> None:
     assert tree is None or is_plain(plain_data(tree))
 
 
-def test_places(found: Diagnostics) -> None:
+def test_places(diagnostics: Diagnostics) -> None:
     """Lines and columns count from 1; a value on one line has an end."""
-    tree = composed("a:\n  b: [1, 'zwölf']\n  c: {d: *x}\n".replace("*x", "x"), found)
+    tree = composed("a:\n  b: [1, 'zwölf']\n  c: {d: *x}\n".replace("*x", "x"), diagnostics)
     assert (span(tree, ("a", "b", 1)).line, span(tree, ("a", "b", 1)).column) == (2, 10)
     assert span(tree, ("a", "b", 1)).end_column == 17
     assert span(tree, ("a", "b")).end_column == 18
@@ -127,33 +127,33 @@ def test_places(found: Diagnostics) -> None:
     assert span(tree, ()).line == 1
 
 
-def test_merge_keys(found: Diagnostics) -> None:
+def test_merge_keys(diagnostics: Diagnostics) -> None:
     """Own keys take precedence over merged ones in any order, earlier sources over later ones."""
     text = "a: &a {x: 1, y: 1}\nb: &b {x: 2, z: 2}\nc: {z: 3, <<: [*a, *b]}\nd:\n  <<: *a\n  x: 4\n"
-    data = plain_data(composed(text, found))
+    data = plain_data(composed(text, diagnostics))
     assert data["c"] == {"z": 3, "x": 1, "y": 1}
     assert data["d"] == {"x": 4, "y": 1}
 
 
-def test_quoted_merge_key_is_a_key(found: Diagnostics) -> None:
+def test_quoted_merge_key_is_a_key(diagnostics: Diagnostics) -> None:
     """Only a plain `<<` merges."""
-    assert plain_data(composed("a: {'<<': {x: 1}}", found)) == {"a": {"<<": {"x": 1}}}
+    assert plain_data(composed("a: {'<<': {x: 1}}", diagnostics)) == {"a": {"<<": {"x": 1}}}
 
 
-def test_every_duplicate_is_reported(found: Diagnostics) -> None:
+def test_every_duplicate_is_reported(diagnostics: Diagnostics) -> None:
     """Every duplicate key is reported with its place, and the first value applies."""
-    tree = composed("a: 1\nb: {c: 1, c: 2, c: 3}\n'a': 2\n", found)
+    tree = composed("a: 1\nb: {c: 1, c: 2, c: 3}\n'a': 2\n", diagnostics)
     assert plain_data(tree) == {"a": 1, "b": {"c": 1}}
-    assert [(d.code, d.span.line, d.span.column) for d in found] == [
+    assert [(d.code, d.span.line, d.span.column) for d in diagnostics] == [
         ("SB107", 2, 11),
         ("SB107", 2, 17),
         ("SB107", 3, 1),
     ]
 
 
-def test_alias_shows_its_own_place(found: Diagnostics) -> None:
+def test_alias_shows_its_own_place(diagnostics: Diagnostics) -> None:
     """An error in an aliased scalar is reported at the alias."""
-    assert span(composed("a: &x 3 kg\nb: *x\n", found), ("b",)).line == 2
+    assert span(composed("a: &x 3 kg\nb: *x\n", diagnostics), ("b",)).line == 2
 
 
 @pytest.mark.parametrize(
@@ -173,28 +173,28 @@ def test_alias_shows_its_own_place(found: Diagnostics) -> None:
 )
 def test_bombs_end_quickly(text: str) -> None:
     """Aliases that expand to too much, or nest too deeply, are reported without expansion."""
-    found, start = Diagnostics(), time.process_time()
+    diagnostics, start = Diagnostics(), time.process_time()
     with pytest.raises((TooMuchError, MarkedYAMLError)) as caught:
-        compose(text, FILE, found)
+        compose(text, FILE, diagnostics)
     assert time.process_time() - start < 20
     if caught.type is TooMuchError:
-        assert [d.code for d in found] == ["SB110"]
+        assert [d.code for d in diagnostics] == ["SB110"]
 
 
 def test_values_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     """A list that is too long is reported where it exceeds the limit."""
     monkeypatch.setattr("stepbot.sidecar.compose.LARGEST_SIZE", 1000)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with pytest.raises(TooMuchError):
-        compose("a: [" + "1, " * 300_000, FILE, found)
-    assert [(d.code, d.span.column) for d in found] == [("SB110", 5 + 997 * 3)]
+        compose("a: [" + "1, " * 300_000, FILE, diagnostics)
+    assert [(d.code, d.span.column) for d in diagnostics] == [("SB110", 5 + 997 * 3)]
 
 
 def test_faults_are_bounded() -> None:
     """The number of reported syntax errors is limited."""
-    found = BoundedDiagnostics()
+    diagnostics = BoundedDiagnostics()
     with pytest.raises(TooManyFaultsError):
-        compose("a: 1\n" * 3000, FILE, found)
+        compose("a: 1\n" * 3000, FILE, diagnostics)
 
 
 def test_a_sidecar_may_have_any_number_of_warnings(tmp_path: Path) -> None:
@@ -203,9 +203,9 @@ def test_a_sidecar_may_have_any_number_of_warnings(tmp_path: Path) -> None:
     joints = "".join(f"  j{n}: {{type: revolute, parent: l{n}, child: l{n + 1}, limits: todo}}\n" for n in range(150))
     path = tmp_path / "long.robot.yaml"
     path.write_text(f"version: 1\nrobot: long\nstep: a.step\nlinks:\n{links}joints:\n{joints}", encoding="utf-8")
-    found = Diagnostics()
-    sidecar = load_sidecar(path, found)
+    diagnostics = Diagnostics()
+    sidecar = load_sidecar(path, diagnostics)
     assert sidecar is not None
-    check_sidecar(sidecar, found)
-    assert not found.has_errors
-    assert [one.code for one in found].count("SB463") == 150
+    check_sidecar(sidecar, diagnostics)
+    assert not diagnostics.has_errors
+    assert [one.code for one in diagnostics].count("SB463") == 150

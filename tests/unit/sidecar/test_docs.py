@@ -42,11 +42,11 @@ GRIPPER = {"links": {"hand": {}, "left_finger": {}, "right_finger": {}}, "joints
 
 def faults(text: str, variant: str = "") -> list[str]:
     """The diagnostics of a sidecar."""
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found, variant)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), diagnostics, variant)
     if sidecar is not None:
-        check_sidecar(sidecar, found)
-    return list(map(str, found))
+        check_sidecar(sidecar, diagnostics)
+    return list(map(str, diagnostics))
 
 
 @pytest.mark.parametrize("text", WHOLE, ids=lambda text: text.split("\n")[1])

@@ -42,9 +42,9 @@ ELBOW, FOREARM = (
 
 def values(text: str) -> object:
     """The values of a sidecar."""
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found)
-    assert sidecar is not None, list(found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), diagnostics)
+    assert sidecar is not None, list(diagnostics)
     return plain_data(sidecar.root)
 
 

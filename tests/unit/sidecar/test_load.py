@@ -16,16 +16,16 @@ from stepbot.sidecar.shapes import BoxShape, CollisionShape, MergedCollision, Sp
 from tests.unit.sidecar.samples import FULL
 
 
-def loaded(text: str, found: Diagnostics, path: str = "robots/arm.robot.yaml") -> Sidecar:
+def loaded(text: str, diagnostics: Diagnostics, path: str = "robots/arm.robot.yaml") -> Sidecar:
     """The sidecar of a text without errors."""
-    sidecar = parse_sidecar(text, Path(path), found)
-    assert sidecar is not None, list(map(str, found))
+    sidecar = parse_sidecar(text, Path(path), diagnostics)
+    assert sidecar is not None, list(map(str, diagnostics))
     return sidecar
 
 
-def test_every_key_arrives(found: Diagnostics) -> None:
+def test_every_key_arrives(diagnostics: Diagnostics) -> None:
     """Each key of the format is read, in SI."""
-    d = loaded(FULL, found).document
+    d = loaded(FULL, diagnostics).document
     assert (d.robot, d.base, d.step_density, d.mass) == ("follower", Base.FLOATING, "ignore", "mesh")
     assert d.root is not None
     assert isinstance(d.root.frame, AxisOrigin)
@@ -64,14 +64,14 @@ def test_every_key_arrives(found: Diagnostics) -> None:
     assert d.sensors["imu"].type == "imu"
 
 
-def test_step_path_is_relative_to_the_sidecar(found: Diagnostics) -> None:
+def test_step_path_is_relative_to_the_sidecar(diagnostics: Diagnostics) -> None:
     """`step` is relative to the folder of the sidecar."""
-    assert loaded(FULL, found).step_path == Path("robots/cad/follower.step")
+    assert loaded(FULL, diagnostics).step_path == Path("robots/cad/follower.step")
 
 
-def test_places_of_values_and_keys(found: Diagnostics) -> None:
+def test_places_of_values_and_keys(diagnostics: Diagnostics) -> None:
     """A value and a key have a place; a missing one has that of its nearest key above."""
-    sidecar = loaded(FULL, found)
+    sidecar = loaded(FULL, diagnostics)
     lines = FULL.split("\n")
     value = sidecar.span("joints", "pan", "limits", "upper")
     assert lines[value.line - 1][value.column - 1 : value.end_column - 1] == "150 deg"
@@ -101,10 +101,10 @@ def test_places_of_values_and_keys(found: Diagnostics) -> None:
         ("{mate: [a, b]}", "MateOrigin"),
     ],
 )
-def test_form_of_an_origin_is_determined_by_its_keys(origin: str, form: str, found: Diagnostics) -> None:
+def test_form_of_an_origin_is_determined_by_its_keys(origin: str, form: str, diagnostics: Diagnostics) -> None:
     """The form of an origin is determined by its keys; without one it is `auto`."""
     text = FULL.replace("    limits: {lower: -150", f"    origin: {origin}\n    limits: {{lower: -150", 1)
-    assert type(loaded(text, found).document.joints["pan"].origin).__name__ == form
+    assert type(loaded(text, diagnostics).document.joints["pan"].origin).__name__ == form
 
 
 @pytest.mark.parametrize(
@@ -119,10 +119,10 @@ def test_form_of_an_origin_is_determined_by_its_keys(origin: str, form: str, fou
         ("[a]", 7, ""),
     ],
 )
-def test_quoting_hints(parts: str, index: int, hint: str, found: Diagnostics) -> None:
+def test_quoting_hints(parts: str, index: int, hint: str, diagnostics: Diagnostics) -> None:
     """An unquoted path cut at a special character is explained where it matches nothing."""
     text = "version: 1\nrobot: arm\nstep: arm.step\nlinks:\n  base:\n    parts: " + parts + "\n"
-    hints = loaded(text, found).quoting_hints("links", "base", "parts", index)
+    hints = loaded(text, diagnostics).quoting_hints("links", "base", "parts", index)
     assert hint in "".join(hints)
     assert bool(hint) == bool(hints)
 
@@ -133,11 +133,11 @@ def test_all_faults_at_once_in_the_order_of_the_file() -> None:
     text = text.replace("base: floating", "base: hanging").replace("damping: 0.1", "dampng: 0.1")
     text = text.replace("child: shoulder", "child: shulder").replace("-inf, upper: 1}", "-inf, upper: 1 kg}")
     text = text.replace("lower: -1,", "lower: 2,").replace("kind: position", "kindd: position")
-    found = Diagnostics()
-    assert parse_sidecar(text, Path("a.robot.yaml"), found) is None
+    diagnostics = Diagnostics()
+    assert parse_sidecar(text, Path("a.robot.yaml"), diagnostics) is None
     # The actuator is not checked further: the requirements of its kind are unknown.
-    assert [d.code for d in found] == ["SB107", "SB123", "SB120", "SB130:link", "SB124", "SB456", "SB120"]
-    lines = [d.span.line for d in found]
+    assert [d.code for d in diagnostics] == ["SB107", "SB123", "SB120", "SB130:link", "SB124", "SB456", "SB120"]
+    lines = [d.span.line for d in diagnostics]
     assert lines == sorted(lines)
 
 
@@ -174,9 +174,9 @@ def test_damaged_sidecars_end_in_diagnostics(data: st.DataObject) -> None:
             word = data.draw(st.sampled_from(["7", "nan", "[]", "{}", "-1", "'x y'", "*a", "true", "1 kg", "&b", ": "]))
             head, colon, _ = lines[at].rpartition(": ")
             lines[at] = head + colon + word
-    found = Diagnostics()
-    sidecar = parse_sidecar("\n".join(lines), Path("a.robot.yaml"), found)
-    assert (sidecar is None) == found.has_errors
-    for diagnostic in found:
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar("\n".join(lines), Path("a.robot.yaml"), diagnostics)
+    assert (sidecar is None) == diagnostics.has_errors
+    for diagnostic in diagnostics:
         assert diagnostic.span.line <= len(lines)
         assert "\n" not in diagnostic.message

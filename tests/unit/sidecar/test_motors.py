@@ -248,9 +248,9 @@ PASSIVE = {"damping": 0.60769, "friction": 0.05239, "armature": 0.0284}
 
 def load(folder: Path, actuator: str, more: str = "", kind: str = "revolute", end: str = ""):  # type: ignore[no-untyped-def]
     """A sidecar with one actuator, and its diagnostics."""
-    path, found = folder / "arm.robot.yaml", Diagnostics()
+    path, diagnostics = folder / "arm.robot.yaml", Diagnostics()
     path.write_text(SIDECAR.format(actuator=actuator, more=more, kind=kind) + end, encoding="utf-8")
-    return load_sidecar(path, found), list(found)
+    return load_sidecar(path, diagnostics), list(diagnostics)
 
 
 def settings(sidecar) -> dict[str, float]:  # type: ignore[no-untyped-def]

@@ -24,11 +24,11 @@ SNIPPET = re.compile(r"`([^`]+)`")
 
 def findings(text: str) -> list[Diagnostic]:
     """The findings of loading and checking a text."""
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("a.robot.yaml"), diagnostics)
     if sidecar is not None:
-        check_sidecar(sidecar, found)
-    return list(found)
+        check_sidecar(sidecar, diagnostics)
+    return list(diagnostics)
 
 
 @pytest.mark.parametrize(

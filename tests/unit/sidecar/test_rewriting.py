@@ -18,9 +18,9 @@ step: arm.step
 def rewrite(body: str, paths: dict[str, str], *, line_end: str = "\n") -> str | None:
     """A sidecar with other paths; None if it is rejected."""
     text = HEAD + body
-    found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found)
-    assert sidecar is not None, list(map(str, found))
+    diagnostics = Diagnostics()
+    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), diagnostics)
+    assert sidecar is not None, list(map(str, diagnostics))
     new = rewritten(sidecar, text.replace("\n", line_end).encode(), paths)
     return None if new is None else new.decode().replace(line_end, "\n").removeprefix(HEAD)
 

@@ -41,9 +41,9 @@ FILE = "a.robot.yaml"
 )
 def test_error_is_reported_at_its_place(text: str, line: int, column: int, message: str) -> None:
     """An error is described at the place to edit."""
-    found = Diagnostics()
-    assert not compose_around_faults(text, FILE, found).whole
-    first = next(iter(found))
+    diagnostics = Diagnostics()
+    assert not compose_around_faults(text, FILE, diagnostics).whole
+    first = next(iter(diagnostics))
     assert first.code == "SB104"
     assert message in first.message
     assert (first.span.line, first.span.column) == (line, column)
@@ -51,22 +51,22 @@ def test_error_is_reported_at_its_place(text: str, line: int, column: int, messa
 
 def test_sections_around_faults_are_read() -> None:
     """Several errors are all reported, and the text between them is parsed."""
-    found = Diagnostics()
-    composed = compose_around_faults("a: [1\nb: 2\nc: {x: @}\nd:\n  e: 5\nf: 'g\n", FILE, found)
+    diagnostics = Diagnostics()
+    composed = compose_around_faults("a: [1\nb: 2\nc: {x: @}\nd:\n  e: 5\nf: 'g\n", FILE, diagnostics)
     assert composed.tree is not None
     assert plain_data(composed.tree) == {"b": 2, "d": {"e": 5}}
-    assert [(d.span.line, d.span.column) for d in found] == [(1, 4), (3, 8), (6, 4)]
+    assert [(d.span.line, d.span.column) for d in diagnostics] == [(1, 4), (3, 8), (6, 4)]
 
 
 def test_lines_without_a_key_are_reported_one_by_one() -> None:
     """Each is reported once with the line to write, and the sections around them are read."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     composed = compose_around_faults(
-        "version:1\nrobot:so101\nstep: a\nlinks:\n  b [rest, true]\n  d: 1\nc: 4\n", FILE, found
+        "version:1\nrobot:so101\nstep: a\nlinks:\n  b [rest, true]\n  d: 1\nc: 4\n", FILE, diagnostics
     )
     assert composed.tree is not None
     assert plain_data(composed.tree) == {"step": "a", "c": 4}
-    assert [(d.span.line, d.help) for d in found] == [
+    assert [(d.span.line, d.help) for d in diagnostics] == [
         (2, ("write `robot: so101`",)),
         (1, ("write `version: 1`",)),
         (5, ("write `b: [rest, true]`",)),
@@ -88,53 +88,53 @@ def test_lines_without_a_key_are_reported_one_by_one() -> None:
 )
 def test_brackets_in_keys(text: str, message: str, remedy: str) -> None:
     """``base {rest`` would be a key of YAML; quoted, and with both brackets, it is one."""
-    found = Diagnostics()
-    compose_around_faults(text, FILE, found)
-    assert [(d.code, d.message, *d.help) for d in found] == ([("SB104", message, remedy)] if message else [])
+    diagnostics = Diagnostics()
+    compose_around_faults(text, FILE, diagnostics)
+    assert [(d.code, d.message, *d.help) for d in diagnostics] == ([("SB104", message, remedy)] if message else [])
 
 
 def test_tabs_are_reported_line_by_line() -> None:
     """Each line indented by a tab is reported, and parsed as if it had spaces."""
-    found = Diagnostics()
-    composed = compose_around_faults("a:\n\tb: 1\n\tc: 2\nd:\n  e: 3\n", FILE, found)
+    diagnostics = Diagnostics()
+    composed = compose_around_faults("a:\n\tb: 1\n\tc: 2\nd:\n  e: 3\n", FILE, diagnostics)
     assert composed.tree is not None
     assert plain_data(composed.tree) == {"a": {"b": 1, "c": 2}, "d": {"e": 3}}
-    assert [(d.code, d.span.line) for d in found] == [("SB104", 2), ("SB104", 3)]
+    assert [(d.code, d.span.line) for d in diagnostics] == [("SB104", 2), ("SB104", 3)]
 
 
-def test_json_with_tabs_is_yaml(found: Diagnostics) -> None:
+def test_json_with_tabs_is_yaml(diagnostics: Diagnostics) -> None:
     """Within braces, tabs are blanks."""
-    composed = compose_around_faults('{\n\t"a": 1\n}\n', FILE, found)
+    composed = compose_around_faults('{\n\t"a": 1\n}\n', FILE, diagnostics)
     assert composed.whole
 
 
 def test_globs_without_quotes_stay_keys() -> None:
     """An unquoted glob is reported, and its rule is still checked."""
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     text = "parts:\n  **/M3*: {ignore: true}\n  b: {}\n  *nut v1: {mass: }\n"
-    composed = compose_around_faults(text, FILE, found)
+    composed = compose_around_faults(text, FILE, diagnostics)
     assert composed.tree is not None
     assert list(plain_data(composed.tree)["parts"]) == ["**/M3*", "b", "*nut v1"]
-    assert [(d.code, d.span.line, d.span.column, d.span.end_column) for d in found] == [
+    assert [(d.code, d.span.line, d.span.column, d.span.end_column) for d in diagnostics] == [
         ("SB104", 2, 3, 9),
         ("SB104", 4, 3, 10),
         ("SB110", 4, 13, 17),
     ]
 
 
-def test_alias_as_a_key_needs_a_blank_and_is_no_glob(found: Diagnostics) -> None:
+def test_alias_as_a_key_needs_a_blank_and_is_no_glob(diagnostics: Diagnostics) -> None:
     """``*name : value`` is a key by alias, and no glob."""
-    composed = compose_around_faults("a: &k key\n*k : 1\n", FILE, found)
+    composed = compose_around_faults("a: &k key\n*k : 1\n", FILE, diagnostics)
     assert composed.whole
 
 
 @given(text=st.text("ab:*&<-#[]{}, \n'\"!|>%@`\t?0.~", max_size=80))
 def test_any_text_ends(text: str) -> None:
     """Any text gives a complete tree, or an error."""
-    found = Diagnostics()
-    composed = compose_around_faults(text, FILE, found)
-    assert composed.whole or len(found)
+    diagnostics = Diagnostics()
+    composed = compose_around_faults(text, FILE, diagnostics)
+    assert composed.whole or len(diagnostics)
     lines = text.split("\n")
-    for diagnostic in found:
+    for diagnostic in diagnostics:
         assert 1 <= diagnostic.span.line <= len(lines)
         assert 1 <= diagnostic.span.column <= len(lines[diagnostic.span.line - 1]) + 1

@@ -22,9 +22,9 @@ def read_here(path: Path, found: Diagnostics, options: ReadOptions | None = None
 
 def read_quietly(path: Path, options: ReadOptions | None = None) -> Assembly:
     """The assembly of a file without diagnostics except notes."""
-    found = Diagnostics()
-    assembly = read_here(path, found, options)
-    assert [str(d) for d in found if d.severity != "note"] == []
+    diagnostics = Diagnostics()
+    assembly = read_here(path, diagnostics, options)
+    assert [str(d) for d in diagnostics if d.severity != "note"] == []
     assert assembly is not None
     return assembly
 

@@ -69,7 +69,7 @@ def triangles(assembly: Assembly | None) -> list[int]:
 
 @pytest.mark.parametrize(("step", "says"), STEPS)
 def test_a_step_that_fails_costs_itself(
-    step: str, says: str, path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    step: str, says: str, path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The file is read, each body has its mesh, and a warning names what is missing."""
     error = (Standard.Standard_NullObject, ValueError)[STEPS.index((step, says)) % 2]
@@ -77,15 +77,15 @@ def test_a_step_that_fails_costs_itself(
     request = worker.BodyRequest
     monkeypatch.setattr(worker, "BodyRequest", lambda *given: replace(request(*given), area=True))
     monkeypatch.setattr(f"stepbot.step.{step}", failing(error))
-    assembly = read_here(path, found, options)
+    assembly = read_here(path, diagnostics, options)
     assert [count > 10 for count in triangles(assembly)] == [True, True]
-    assert set(found.codes()) <= {"SB233", "SB605"}
-    assert any(says in diagnostic.message and error.__name__ in diagnostic.message for diagnostic in found)
+    assert set(diagnostics.codes()) <= {"SB233", "SB605"}
+    assert any(says in diagnostic.message and error.__name__ in diagnostic.message for diagnostic in diagnostics)
 
 
 @pytest.mark.parametrize("test", ["IsPlane", "IsCylinder", "IsCone", "IsSphere"])
 def test_a_form_that_is_not_recognized_is_free(
-    test: str, path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    test: str, path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where the kernel fails to recognize one form, others are still tried, and the face stays a face."""
     from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
@@ -100,16 +100,16 @@ def test_a_form_that_is_not_recognized_is_free(
             return failing(Standard.Standard_NullObject) if name == test else getattr(self._recognition, name)
 
     monkeypatch.setattr(recognition, "ShapeAnalysis_CanonicalRecognition", Failing)
-    assembly = read_here(path, found, ReadOptions(faces=True))
+    assembly = read_here(path, diagnostics, ReadOptions(faces=True))
     assert assembly is not None
-    assert not found.codes()
+    assert not diagnostics.codes()
     assert [len(body.faces) for body in assembly.bodies] == [3, 6]
     assert bool(assembly.bodies[0].axis_faces) is (test != "IsCylinder")
 
 
 @pytest.mark.parametrize("error", [Standard.Standard_NullObject, ValueError])
 def test_a_body_without_a_mesh_costs_this_body(
-    error: type[Exception], path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    error: type[Exception], path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A body that cannot be healed has no mesh, and counts as a solid whose mass is missing."""
 
@@ -119,10 +119,10 @@ def test_a_body_without_a_mesh_costs_this_body(
         return healed(shape, *arguments)
 
     monkeypatch.setattr(bodies, "healed", failing_on_many)
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
-    assert found.codes() == ["SB213"]
-    assert "block" in next(iter(found)).message
+    assert diagnostics.codes() == ["SB213"]
+    assert "block" in next(iter(diagnostics)).message
     assert [len(body.mesh.faces) > 0 for body in assembly.bodies] == [True, False]
     assert assembly.bodies[1].kind is BodyKind.SOLID
     assert assembly.bodies[1].defect
@@ -132,13 +132,13 @@ def test_a_body_without_a_mesh_costs_this_body(
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="without fork, a crash ends the test")
 @pytest.mark.parametrize("step", ["estimated", "axis_faces", "share_within", "integrate"])
 def test_a_step_that_crashes_costs_the_measures_of_its_body(
-    step: str, path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    step: str, path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The body is made again with a mesh alone; its mass is unknown, not wrong."""
     monkeypatch.setattr(worker, "thread_count", lambda: 1)  # as in the kernel's process
     monkeypatch.setattr(bodies, step, lambda *_, **__: os._exit(7))
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
-    assert set(found.codes()) == {"SB233"}
-    assert "exit code 7" in next(iter(found)).message
+    assert set(diagnostics.codes()) == {"SB233"}
+    assert "exit code 7" in next(iter(diagnostics)).message
     assert all(len(body.mesh.faces) and body.exact is None and not body.watertight for body in assembly.bodies)

@@ -28,14 +28,14 @@ def content(assembly: Assembly) -> bytes:
     return b"|".join(parts)
 
 
-def test_reading_in_a_process_of_its_own(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_reading_in_a_process_of_its_own(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The result equals that of this process, also for a folder with special characters; arrays are read-only."""
     folder = tmp_path / "Größe 螺丝 — new"
     folder.mkdir()
     path = parts.write_nested(folder / "nested 1.step").path
-    assembly = read_assembly(path, ReadOptions(), found)
+    assembly = read_assembly(path, ReadOptions(), diagnostics)
     assert assembly is not None
-    assert list(found) == []
+    assert list(diagnostics) == []
     here = read_quietly(path)
     assert assembly.components == here.components
     for body, other in zip(assembly.bodies, here.bodies, strict=True):
@@ -46,23 +46,23 @@ def test_reading_in_a_process_of_its_own(tmp_path: Path, found: ReadDiagnostics)
 
 
 @POSIX
-def test_a_kernel_that_is_killed(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_kernel_that_is_killed(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A killed kernel is reported with the signal and the file as given."""
     path = parts.write_box(tmp_path / "box.step").path
     reading = start_reading(path, ReadOptions())
     assert reading.pid is not None
     os.kill(reading.pid, signal.SIGKILL)
-    assert reading.finish(found) is None
-    (diagnostic,) = found
+    assert reading.finish(diagnostics) is None
+    (diagnostic,) = diagnostics
     assert (diagnostic.code, diagnostic.span.file) == ("SB902", str(path))
     assert "SIGKILL" in diagnostic.message
 
 
-def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_kernel_that_does_not_end(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A kernel that exceeds its time limit is stopped, with a remedy."""
     reading = start_reading(parts.write_box(tmp_path / "box.step").path, ReadOptions())
-    assert reading.finish(found, timeout=0.001) is None
-    (diagnostic,) = found
+    assert reading.finish(diagnostics, timeout=0.001) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB902"
     assert diagnostic.message == "the geometry kernel was stopped while reading the file: no result after 0.001 s"
     assert diagnostic.help[0] == "allow more time: `--timeout 0.004`"
@@ -71,7 +71,7 @@ def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> N
 @POSIX
 @pytest.mark.parametrize(("share", "limit"), [(2.0, "0.02"), (0.25, "0.08")])
 def test_time_limit_grows_with_the_file(
-    tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch, share: float, limit: str
+    tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch, share: float, limit: str
 ) -> None:
     """Above a size the kernel may take longer in proportion; the remedy is in units of the option."""
     path = parts.write_box(tmp_path / "box.step").path
@@ -79,24 +79,24 @@ def test_time_limit_grows_with_the_file(
     reading = start_reading(path, ReadOptions())
     assert reading.pid is not None
     os.kill(reading.pid, signal.SIGSTOP)  # a kernel that is warm reads a box in less than the limit
-    assert reading.finish(found, timeout=0.02) is None
-    (diagnostic,) = found
+    assert reading.finish(diagnostics, timeout=0.02) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.message.endswith(f"no result after {limit} s")
     assert diagnostic.help[0] == "allow more time: `--timeout 0.08`"
 
 
 @POSIX
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not limit address space")
-def test_a_kernel_without_memory(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_kernel_without_memory(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """With too little memory to load, the kernel ends in a diagnostic without a traceback."""
     path = parts.write_box(tmp_path / "box.step").path
-    assert start_reading(path, ReadOptions(), memory_limit=120_000_000).finish(found) is None
-    assert found.codes()[0] in ("SB902", "SB002")
+    assert start_reading(path, ReadOptions(), memory_limit=120_000_000).finish(diagnostics) is None
+    assert diagnostics.codes()[0] in ("SB902", "SB002")
 
 
 @POSIX
 @pytest.mark.skipif(sys.platform == "darwin", reason="macOS does not limit address space")
-def test_a_body_without_memory(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_body_without_memory(tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """For a body that exceeds the memory limit, the message names the limit, not an invalid body."""
     from stepbot.step import worker
 
@@ -104,21 +104,21 @@ def test_a_body_without_memory(tmp_path: Path, found: ReadDiagnostics, monkeypat
         bytearray(1 << 60)
 
     monkeypatch.setattr(worker, "read_body", greedy)
-    assert read_here(parts.write_box(tmp_path / "box.step").path, found) is not None
-    (diagnostic,) = found
+    assert read_here(parts.write_box(tmp_path / "box.step").path, diagnostics) is not None
+    (diagnostic,) = diagnostics
     assert (diagnostic.code, "out of memory" in diagnostic.message) == ("SB213", True)
     assert "--memory-limit" in diagnostic.help[0]
 
 
-def test_files_that_are_refused_at_once(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_files_that_are_refused_at_once(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A file that is not STEP is not passed to the kernel; finishing twice reports it once."""
     path = tmp_path / "notes.txt"
     path.write_text("buy milk\n", encoding="utf-8")
     reading = start_reading(path, ReadOptions())
     assert reading.pid is None
-    assert reading.finish(found) is None
-    assert reading.finish(found) is None
-    assert found.codes() == ["SB201"]
+    assert reading.finish(diagnostics) is None
+    assert reading.finish(diagnostics) is None
+    assert diagnostics.codes() == ["SB201"]
     reading.close()
 
 
@@ -147,34 +147,38 @@ def test_reading_can_be_given_up(tmp_path: Path) -> None:
     ],
 )
 def test_a_kernel_that_does_not_load(
-    error: RemoteError, code: str, words: tuple[str, str], found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    error: RemoteError, code: str, words: tuple[str, str], diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A missing library is reported with its Debian package; libraries that exist are not listed."""
     monkeypatch.setattr(reader, "_loads", lambda library: True)
-    assert reader._report_import(error, found, "arm.step")
-    (diagnostic,) = found
+    assert reader._report_import(error, diagnostics, "arm.step")
+    (diagnostic,) = diagnostics
     assert diagnostic.code == code
     assert words[0] in diagnostic.message
     assert words[1] in diagnostic.help[0]
 
 
-def test_all_missing_libraries_are_reported_at_once(found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_missing_libraries_are_reported_at_once(
+    diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """All missing libraries are reported, although the loader names only the first."""
     monkeypatch.setattr(reader, "_loads", lambda library: library == "libexpat.so.1")
     error = RemoteError("ImportError", "libGL.so.1: cannot open shared object file: No such file or directory", "")
-    assert reader._report_import(error, found, "arm.step")
-    (diagnostic,) = found
+    assert reader._report_import(error, diagnostics, "arm.step")
+    (diagnostic,) = diagnostics
     assert diagnostic.help == ("on Debian or Ubuntu: apt-get install libgl1 libx11-6",)
 
 
-def test_bugs_stay_bugs(found: ReadDiagnostics) -> None:
+def test_bugs_stay_bugs(diagnostics: ReadDiagnostics) -> None:
     """An error unrelated to loading is not reported as a missing library."""
-    assert not reader._report_import(RemoteError("KeyError", "'x'", ""), found, "arm.step")
+    assert not reader._report_import(RemoteError("KeyError", "'x'", ""), diagnostics, "arm.step")
 
 
 @POSIX
 @pytest.mark.skipif(sys.platform == "darwin", reason="bodies are not made in processes of their own")
-def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_body_that_kills_the_kernel(
+    tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A crash over one body is an error that names its component; the other bodies are read."""
     from stepbot.runtime import parallel
     from stepbot.step import worker
@@ -190,9 +194,9 @@ def test_a_body_that_kills_the_kernel(tmp_path: Path, found: ReadDiagnostics, mo
     monkeypatch.setattr(worker, "read_body", crash_on_spheres)
     monkeypatch.setattr(worker, "thread_count", lambda: 1)  # as in the kernel's process; those of the tests stay idle
     monkeypatch.setattr(parallel, "core_count", lambda: 2)
-    assembly = read_here(parts.write_nested(tmp_path / "nested.step").path, found)
+    assembly = read_here(parts.write_nested(tmp_path / "nested.step").path, diagnostics)
     assert assembly is not None
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB213"
     assert diagnostic.message.startswith("'slide:1/knob' (1 more like it): ")
     assert "SIGKILL" in diagnostic.message

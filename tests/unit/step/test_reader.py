@@ -166,32 +166,32 @@ def test_names_survive_in_one_place(tmp_path: Path) -> None:
     assert {"first/pin", "second/two", "second/three"} <= set(by_path(assembly))
 
 
-def test_a_file_without_a_unit(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_file_without_a_unit(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Lengths without a unit are an error."""
-    assert read_here(parts.write_without_unit(tmp_path / "box.step").path, found) is None
-    (diagnostic,) = found
+    assert read_here(parts.write_without_unit(tmp_path / "box.step").path, diagnostics) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB207"
     assert diagnostic.help
 
 
-def test_files_without_geometry(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_files_without_geometry(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An empty assembly is distinguished from one whose shapes are in other files."""
-    assert read_here(parts.write_empty(tmp_path / "empty.step").path, found) is None
-    assembly = read_here(parts.write_external_reference(tmp_path / "external.step").path, found)
-    assert found.codes() == ["SB205", "SB203"]
+    assert read_here(parts.write_empty(tmp_path / "empty.step").path, diagnostics) is None
+    assembly = read_here(parts.write_external_reference(tmp_path / "external.step").path, diagnostics)
+    assert diagnostics.codes() == ["SB205", "SB203"]
     assert assembly is not None
     assert not assembly.bodies
     assert [bool(component.missing) for component in assembly.components].count(True) == 1
 
 
-def test_a_solid_with_a_hole_in_its_skin(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_solid_with_a_hole_in_its_skin(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A box without a lid has no volume, although the kernel returns one."""
-    assembly = read_here(parts.write_open_solid(tmp_path / "open.step").path, found)
+    assembly = read_here(parts.write_open_solid(tmp_path / "open.step").path, diagnostics)
     assert assembly is not None
     (body,) = assembly.bodies
     assert (body.watertight, body.exact) == (False, None)
     assert body.defect
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert (diagnostic.code, body.kind) == ("SB602", BodyKind.SOLID)
     assert diagnostic.message.startswith("'.': 4 of its edges belong to one face only")
 

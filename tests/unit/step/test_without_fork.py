@@ -33,15 +33,20 @@ def without_fork(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_a_body_that_ends_the_kernel(
-    kernel: str, seconds: float, reason: str, tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    kernel: str,
+    seconds: float,
+    reason: str,
+    tmp_path: Path,
+    diagnostics: ReadDiagnostics,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A body that ends the kernel is an error with its component and the reason; the other bodies are read."""
     monkeypatch.setattr(reader, "KERNEL", f"tests.unit.step.stuck_kernel:{kernel}")
     monkeypatch.setattr(reader, "BODY_SECONDS", seconds)
     path = parts.write_nested(tmp_path / "nested.step").path
-    assembly = reader.read_assembly(path, ReadOptions(), found)
+    assembly = reader.read_assembly(path, ReadOptions(), diagnostics)
     assert assembly is not None
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB213"
     assert diagnostic.message.startswith("'slide:1/knob' (1 more like it): ")
     assert reason in diagnostic.message
@@ -50,21 +55,21 @@ def test_a_body_that_ends_the_kernel(
 
 @pytest.mark.slow
 def test_a_kernel_that_ends_over_no_body(
-    tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A kernel that ends before any body is not started again: one error for the file."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:leaving")
-    assert reader.read_assembly(parts.write_nested(tmp_path / "nested.step").path, ReadOptions(), found) is None
-    assert found.codes() == ["SB902"]
+    assert reader.read_assembly(parts.write_nested(tmp_path / "nested.step").path, ReadOptions(), diagnostics) is None
+    assert diagnostics.codes() == ["SB902"]
 
 
 @pytest.mark.slow
-def test_all_time_is_bounded(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_time_is_bounded(tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """A body that hangs for longer than the file's time limit ends the reading."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging")
     path = parts.write_nested(tmp_path / "nested.step").path
-    assert reader.start_reading(path, ReadOptions()).finish(found, timeout=4.0) is None
-    (diagnostic,) = found
+    assert reader.start_reading(path, ReadOptions()).finish(diagnostics, timeout=4.0) is None
+    (diagnostic,) = diagnostics
     assert (diagnostic.code, "no result after" in diagnostic.message) == ("SB902", True)
 
 
@@ -96,14 +101,14 @@ class _Stuck:
 
 @pytest.mark.slow
 def test_limit_in_the_message_is_the_one_that_was_given(
-    tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The message has the given time limit, not the rest that earlier processes left."""
     monkeypatch.setattr(reader, "Worker", _Stuck)
     path = parts.write_box(tmp_path / "box.step").path
-    assert reader.start_reading(path, ReadOptions()).finish(found, timeout=0.5) is None
+    assert reader.start_reading(path, ReadOptions()).finish(diagnostics, timeout=0.5) is None
     assert _Stuck.started == 2
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB902"
     assert diagnostic.message.endswith("no result after 0.5 s")
 

@@ -467,13 +467,13 @@ def test_every_quantity_has_a_tolerance() -> None:
     assert set(TOLERANCES) == set(Quantity)
 
 
-def test_a_failure_is_one_diagnostic_with_the_worst_first(found: ReadDiagnostics) -> None:
+def test_a_failure_is_one_diagnostic_with_the_worst_first(diagnostics: ReadDiagnostics) -> None:
     """A failure is one diagnostic: engine, quantity, place and the worst number; the rest are notes."""
     observed = replace(ARM, links=tuple(replace(link, mass=(link.mass or 0.0) + 1.0) for link in ARM.links))
     subject = Subject("arm.xml", "mjcf", "mujoco")
     for one in compare(ARM, observed):
-        report_failure(subject, one, "SB812", found)
-    (diagnostic,) = found
+        report_failure(subject, one, "SB812", diagnostics)
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB803"
     assert diagnostic.span.file == "arm.xml"
     assert diagnostic.message.startswith("mujoco: mass: mass of link 'forearm': 1 kg off, ")
@@ -501,15 +501,17 @@ def test_a_check_has_place_and_deviation() -> None:
         (Fate.BROKEN, Status.FAILED, "SB901"),
     ],
 )
-def test_a_file_without_an_observation(fate: Fate, load: Status, code: str | None, found: ReadDiagnostics) -> None:
+def test_a_file_without_an_observation(
+    fate: Fate, load: Status, code: str | None, diagnostics: ReadDiagnostics
+) -> None:
     """Without an observation the load check fails if the engine rejected the file or died; others are not run."""
     outcome = Outcome("arm.xml", "mjcf", "mujoco", fate, reason="because\nof that", last_lines=("last words",))
     quantities = (Quantity.LOAD, Quantity.MASS)
-    first, second = checks_without_observation(Subject("arm.xml", "mjcf", "mujoco"), outcome, quantities, found)
+    first, second = checks_without_observation(Subject("arm.xml", "mjcf", "mujoco"), outcome, quantities, diagnostics)
     assert first.status is load
     assert second.status is Status.NOT_RUN
-    assert found.codes() == ([code] if code else [])
-    for diagnostic in found:
+    assert diagnostics.codes() == ([code] if code else [])
+    for diagnostic in diagnostics:
         assert diagnostic.message == "mujoco: because"
         assert diagnostic.notes == ("of that", "last words")
 

@@ -9,9 +9,9 @@ from stepbot.verification.files import format_of
 
 
 def _reported(path: Path) -> tuple[str, tuple[str, ...]]:
-    found = Diagnostics()
-    assert format_of(path, found) is None
-    (one,) = found
+    diagnostics = Diagnostics()
+    assert format_of(path, diagnostics) is None
+    (one,) = diagnostics
     assert one.code == "SB001"
     return one.message, one.help
 

@@ -40,10 +40,10 @@ def test_companions_for_optional_engines_alone_are_not_reported(
     for engine in engines_for("drake.sdf"):
         monkeypatch.setattr(engine, "available", lambda: "drake is not installed")
     folder = write(four_bar(), tmp_path)
-    found = Diagnostics()
+    diagnostics = Diagnostics()
     with Provers(["drake.sdf"]) as provers:
-        verify(folder.robot, {"drake.sdf": folder.written["drake.sdf"]}, provers, found, timeout=60.0)
-    assert [one.code for one in found if one.code == "SB815"] == []
+        verify(folder.robot, {"drake.sdf": folder.written["drake.sdf"]}, provers, diagnostics, timeout=60.0)
+    assert [one.code for one in diagnostics if one.code == "SB815"] == []
 
 
 @pytest.mark.parametrize(

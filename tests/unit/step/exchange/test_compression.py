@@ -44,7 +44,9 @@ def in_a_folder(path: Path, content: bytes) -> None:
 
 @pytest.mark.parametrize("name", ["arm.stpZ", "arm.step.gz", "arm.step"])
 @pytest.mark.parametrize("write", [gzipped, zipped, two_members, in_a_folder])
-def test_same_assembly(write: Callable[[Path, bytes], None], name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_same_assembly(
+    write: Callable[[Path, bytes], None], name: str, tmp_path: Path, diagnostics: ReadDiagnostics
+) -> None:
     """A compressed file has the assembly of the plain one, for any file name."""
     drawing = parts.write_nested(tmp_path / "plain.step")
     write(tmp_path / name, drawing.path.read_bytes())
@@ -54,16 +56,16 @@ def test_same_assembly(write: Callable[[Path, bytes], None], name: str, tmp_path
     assert [b.exact for b in packed.bodies] == [b.exact for b in plain.bodies]
 
 
-def test_names_in_a_code_page(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_names_in_a_code_page(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Encodings are detected and declared as for a plain file."""
     text = parts.write_box(tmp_path / "plain.step").path.read_text(encoding="utf-8").replace("'block'", "'корпус'")
     gzipped(tmp_path / "box.stpZ", text.encode("cp1251"))
-    assembly = read_here(tmp_path / "box.stpZ", found)
+    assembly = read_here(tmp_path / "box.stpZ", diagnostics)
     assert assembly is not None
-    assert found.codes() == ["SB210"]
+    assert diagnostics.codes() == ["SB210"]
 
 
-def test_parts_in_compressed_files(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_parts_in_compressed_files(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Files of an assembly may be compressed, each or all; they are inputs."""
     gzipped(tmp_path / "box.stpZ", parts.write_box(tmp_path / "box.step").path.read_bytes())
     root = write_structure(tmp_path / "root.step", "root", [Component("box", "box.stpZ")])
@@ -72,8 +74,8 @@ def test_parts_in_compressed_files(tmp_path: Path, found: ReadDiagnostics) -> No
     box = (tmp_path / "box.step").read_bytes()
     for path in (root, tmp_path / "root.stpz"):
         gzipped(tmp_path / "box.stpZ", box)
-        assembly = read_here(path, found)
-        assert found.codes() == []
+        assembly = read_here(path, diagnostics)
+        assert diagnostics.codes() == []
         assert assembly is not None
         assert assembly.external_files == ("box.stpZ",)
         before = input_digest(path)
@@ -133,11 +135,11 @@ def faulty(tmp_path: Path, kind: str) -> Path:
         ("encrypted", "encrypted"),
     ],
 )
-def test_unreadable_archives(kind: str, reason: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_unreadable_archives(kind: str, reason: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Each unreadable archive is an error with the reason and a remedy; its digest is that of its bytes."""
     path = faulty(tmp_path, kind)
-    assert read_here(path, found) is None
-    (fault,) = found
+    assert read_here(path, diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB201"
     assert reason in fault.message
     assert fault.help
@@ -146,26 +148,26 @@ def test_unreadable_archives(kind: str, reason: str, tmp_path: Path, found: Read
 
 @pytest.mark.slow
 @pytest.mark.parametrize("write", [gzipped, zipped])
-def test_bombs(write: Callable[[Path, bytes], None], tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_bombs(write: Callable[[Path, bytes], None], tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Decompression stops at a hundred times the size of the archive, and writes no more than that."""
     start = parts.write_box(tmp_path / "plain.step").path.read_bytes()
     path = tmp_path / "bomb.stpZ"
     write(path, start + b" " * (ALWAYS + 1000))
     assert path.stat().st_size < 1 << 20
-    assert read_here(path, found) is None
-    (fault,) = found
+    assert read_here(path, diagnostics) is None
+    (fault,) = diagnostics
     assert fault.code == "SB201"
     assert "more than 100 times as large" in fault.message
     write(path, start + b" " * (ALWAYS // 8))  # a small file may have any ratio
     assert read_here(path, ReadDiagnostics()) is not None
 
 
-def test_what_is_in_it(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_what_is_in_it(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An archive without STEP is reported with its content; XML with the remedy."""
     for content in (b"<?xml version='1.0'?><n0:Uos/>", b"solid x", b""):
         gzipped(tmp_path / "arm.stpxz", content)
-        assert read_here(tmp_path / "arm.stpxz", found) is None
-    first, second, third = found
+        assert read_here(tmp_path / "arm.stpxz", diagnostics) is None
+    first, second, third = diagnostics
     assert [first.code, second.code, third.code] == ["SB201", "SB201", "SB201"]
     assert "XML" in first.message
     assert "text form" in first.help[0]

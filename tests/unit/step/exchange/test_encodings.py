@@ -24,9 +24,9 @@ def named(path: Path, name: bytes) -> Path:
     return path
 
 
-def read(path: Path, encoding: str, found: ReadDiagnostics) -> Assembly | None:
+def read(path: Path, encoding: str, diagnostics: ReadDiagnostics) -> Assembly | None:
     """The tree of a file, without geometry."""
-    return read_here(path, found, ReadOptions(geometry=False, encoding=encoding))
+    return read_here(path, diagnostics, ReadOptions(geometry=False, encoding=encoding))
 
 
 @pytest.mark.parametrize(
@@ -40,9 +40,9 @@ def read(path: Path, encoding: str, found: ReadDiagnostics) -> Assembly | None:
         ("Wälzlager", "utf-8"),
     ],
 )
-def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A name in a declared code page is decoded without diagnostics."""
-    assembly = read(named(tmp_path / "box.step", text.encode(encoding)), encoding, found)
+    assembly = read(named(tmp_path / "box.step", text.encode(encoding)), encoding, diagnostics)
     assert assembly is not None
     assert [component.product for component in assembly.components] == [text]
     assert assembly.facts["encoding"] == (f"{encoding}, as declared" if encoding != "utf-8" else "UTF-8")
@@ -57,17 +57,19 @@ def test_names_in_a_declared_code_page(text: str, encoding: str, tmp_path: Path,
         ("é".encode("cp1252") + rb"\X\E9", "", "éé"),
     ],
 )
-def test_escapes_beside_bytes(raw: bytes, encoding: str, text: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_escapes_beside_bytes(
+    raw: bytes, encoding: str, text: str, tmp_path: Path, diagnostics: ReadDiagnostics
+) -> None:
     """Escapes are decoded beside any bytes."""
-    assembly = read(named(tmp_path / "box.step", raw), encoding, found)
+    assembly = read(named(tmp_path / "box.step", raw), encoding, diagnostics)
     assert assembly is not None
     assert assembly.components[0].product == text
-    assert found.codes() == ([] if encoding else ["SB210"])
+    assert diagnostics.codes() == ([] if encoding else ["SB210"])
 
 
-def test_a_declaration_does_not_touch_ascii(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_declaration_does_not_touch_ascii(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A file in ASCII with escapes is independent of the declaration."""
-    assembly = read(named(tmp_path / "box.step", rb"\X2\04210431\X0\ \X\E9"), "cp932", found)
+    assembly = read(named(tmp_path / "box.step", rb"\X2\04210431\X0\ \X\E9"), "cp932", diagnostics)
     assert assembly is not None
     assert (assembly.components[0].product, assembly.facts["encoding"]) == ("Сб é", "ASCII")
 
@@ -84,12 +86,12 @@ def test_a_declaration_does_not_touch_ascii(tmp_path: Path, found: ReadDiagnosti
     ],
 )
 def test_a_wrong_code_page(
-    text: str, written: str, declared: str, byte: str, tmp_path: Path, found: ReadDiagnostics
+    text: str, written: str, declared: str, byte: str, tmp_path: Path, diagnostics: ReadDiagnostics
 ) -> None:
     """Bytes that are invalid in the declared code page are an error with the line and suggestions."""
     path = named(tmp_path / "box.step", text.encode(written))
-    assert read(path, declared, found) is None
-    (diagnostic,) = found
+    assert read(path, declared, diagnostics) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB224"
     assert f"declared encoding {declared}: byte {byte}" in diagnostic.message
     assert byte[2:] in path.read_bytes().split(b"\n")[diagnostic.span.line - 1].hex()
@@ -97,11 +99,11 @@ def test_a_wrong_code_page(
     assert diagnostic.help
 
 
-def test_undeclared_encoding_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_undeclared_encoding_is_a_warning(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Without a declaration a warning shows the first name in each code page in which all names are valid."""
-    assembly = read(named(tmp_path / "box.step", RUSSIAN.encode("cp1251")), "", found)
+    assembly = read(named(tmp_path / "box.step", RUSSIAN.encode("cp1251")), "", diagnostics)
     assert assembly is not None
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB210"
     assert "--encoding" in diagnostic.help[0]
     assert f"in cp1251 the first reads '{RUSSIAN}'" in diagnostic.notes
@@ -109,20 +111,20 @@ def test_undeclared_encoding_is_a_warning(tmp_path: Path, found: ReadDiagnostics
     assert assembly.facts["encoding"] == "unknown, shown as cp1252"
 
 
-def test_utf8_that_is_declared_otherwise(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_utf8_that_is_declared_otherwise(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """UTF-8 is read as UTF-8 despite another declaration, with a warning."""
-    assembly = read(named(tmp_path / "box.step", "é".encode()), "cp1252", found)
+    assembly = read(named(tmp_path / "box.step", "é".encode()), "cp1252", diagnostics)
     assert assembly is not None
     assert assembly.components[0].product == "Ã©"
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB210"
     assert diagnostic.notes == ("in cp1252 the first reads 'Ã©'", "in utf-8 the first reads 'é'")
 
 
 @pytest.mark.slow
-def test_real_names(corpus: Path, found: ReadDiagnostics) -> None:
+def test_real_names(corpus: Path, diagnostics: ReadDiagnostics) -> None:
     """An assembly drawn in Russian is read in its code page."""
-    assembly = read(corpus / "russian_names_cp1251.step", "cp1251", found)
+    assembly = read(corpus / "russian_names_cp1251.step", "cp1251", diagnostics)
     assert assembly is not None
     names = [component.product for component in assembly.components]
     assert names[:2] == ["Сборка1", "Дет1"]
@@ -131,24 +133,24 @@ def test_real_names(corpus: Path, found: ReadDiagnostics) -> None:
 
 @pytest.mark.parametrize("encoding", ["gbk", "cp932", "utf-8", "cp1251"])
 @pytest.mark.parametrize("before", [0, 1, (1 << 20) - 1, 1 << 20])
-def test_places_across_chunks(encoding: str, before: int, found: ReadDiagnostics) -> None:
+def test_places_across_chunks(encoding: str, before: int, diagnostics: ReadDiagnostics) -> None:
     """An invalid byte is located, also beside a character that crosses two chunks of the file."""
     good = "Ж".encode(encoding) + b"x"
-    assert check_encoding(b"\n" * before + good, encoding, "x", found) == encoding
+    assert check_encoding(b"\n" * before + good, encoding, "x", diagnostics) == encoding
     bad = {"cp1251": b"\x98"}.get(encoding, b"\xff")
-    assert check_encoding(b"\n" * before + good + bad + b"\n" * 10, encoding, "x", found) is None
-    (diagnostic,) = [d for d in found if d.code == "SB224"]
+    assert check_encoding(b"\n" * before + good + bad + b"\n" * 10, encoding, "x", diagnostics) is None
+    (diagnostic,) = [d for d in diagnostics if d.code == "SB224"]
     assert diagnostic.span.line == before + 1
     assert f"0x{bad.hex()}" in diagnostic.message
 
 
-def test_byte_order_mark(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_byte_order_mark(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Editors put one before a file; the kernel, which refuses it, does not see it."""
     path = tmp_path / "box.step"
     parts.write_box(path)
     path.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
-    assert read(path, "", found) is not None
-    assert not found.codes()
+    assert read(path, "", diagnostics) is not None
+    assert not diagnostics.codes()
 
 
 def test_transcoding(tmp_path: Path) -> None:

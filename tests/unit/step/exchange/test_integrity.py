@@ -20,10 +20,10 @@ def complaints(text: str, folder: Path) -> list[Diagnostic]:
     """The diagnostics of a file."""
     path = folder / "damaged.step"
     path.write_text(text, encoding="utf-8", newline="\n")
-    found = Diagnostics()
-    assembly = read_here(path, found)
-    assert (assembly is None) == any(d.severity == "error" for d in found)
-    return list(found)
+    diagnostics = Diagnostics()
+    assembly = read_here(path, diagnostics)
+    assert (assembly is None) == any(d.severity == "error" for d in diagnostics)
+    return list(diagnostics)
 
 
 def first(pattern: str, text: str) -> re.Match[str]:

@@ -26,10 +26,10 @@ def written(folder: Path, string: str = "", comment: str = "") -> Path:
 @pytest.mark.parametrize(
     "string", ["a" * ROOM, "''" * (ROOM // 2), "a\n" * (ROOM // 2)], ids=["letters", "quotes", "lines"]
 )
-def test_longest_string_is_read(string: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_longest_string_is_read(string: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A string of the kernel's maximum length is read, and a comment of any length in short lines."""
-    assert read_here(written(tmp_path, string, f"/*{'comment ' * 9}{'* and more' * 9_999}*/"), found) is not None
-    assert found.codes() == []
+    assert read_here(written(tmp_path, string, f"/*{'comment ' * 9}{'* and more' * 9_999}*/"), diagnostics) is not None
+    assert diagnostics.codes() == []
 
 
 @pytest.mark.parametrize(
@@ -44,12 +44,12 @@ def test_longest_string_is_read(string: str, tmp_path: Path, found: ReadDiagnost
     ids=["letters", "quotes", "not ASCII", "comment", "both"],
 )
 def test_longer_ones_are_reported_by_line(
-    string: str, comment: str, message: str, tmp_path: Path, found: ReadDiagnostics
+    string: str, comment: str, message: str, tmp_path: Path, diagnostics: ReadDiagnostics
 ) -> None:
     """A longer string is an error with the line, the length and a remedy."""
     path = written(tmp_path, string, comment)
-    assert read_here(path, found) is None
-    (error,) = found
+    assert read_here(path, diagnostics) is None
+    (error,) = diagnostics
     assert error.code == "SB205"
     assert error.message.startswith(message)
     assert error.help

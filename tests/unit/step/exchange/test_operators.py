@@ -79,22 +79,22 @@ def test_operator(axes: tuple[str, str, str], scale: str, matrix: Array, tmp_pat
     assert np.abs(np.array(found.inertia) - turned).max() < 1e-9 * np.abs(turned).max()
 
 
-def test_an_axis_without_direction(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_axis_without_direction(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An operator that is not a transformation is a diagnostic."""
     path = tmp_path / "mapped.step"
     write_mapped(path, (X, Y, "(0.,0.,0.)"), "1.")
-    assert read_here(path, found) is None
-    assert found.codes() == ["SB205"]
+    assert read_here(path, diagnostics) is None
+    assert diagnostics.codes() == ["SB205"]
 
 
 @pytest.mark.parametrize("lost", ["#9011,#9012,#9010", "#9010,1.,#9013"])
-def test_an_operator_that_names_something_else(lost: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_operator_that_names_something_else(lost: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An operator with a direction in place of a point, or vice versa, is an error without a traceback."""
     path = tmp_path / "mapped.step"
     write_mapped(path, (X, Y, Z), "1.")
     text = path.read_text(encoding="utf-8")
     assert lost in text
     path.write_text(text.replace(lost, lost.rpartition(",")[0] + ",#9021"), encoding="utf-8", newline="\n")
-    assert read_here(path, found) is None
-    assert all(d.severity != "error" or d.help for d in found)
-    assert set(found.codes()) <= {"SB205", "SB221", "SB223"}
+    assert read_here(path, diagnostics) is None
+    assert all(d.severity != "error" or d.help for d in diagnostics)
+    assert set(diagnostics.codes()) <= {"SB205", "SB221", "SB223"}

@@ -28,9 +28,9 @@ def write(tmp_path: Path, content: str | bytes) -> Path:
     return path
 
 
-def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_header(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Fields of the header are decoded; comments are ignored."""
-    part21 = check_step(write(tmp_path, HEADER + DATA), "arm.step", found)
+    part21 = check_step(write(tmp_path, HEADER + DATA), "arm.step", diagnostics)
     assert part21 is not None
     assert part21.encoding == "ascii"
     assert (part21.header.name, part21.header.time_stamp) == ("arm '7'", "2024-05-23T20:24:58")
@@ -38,11 +38,11 @@ def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert part21.header.schema == "AP214"
 
 
-def test_a_text_between_the_records_of_the_header(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_text_between_the_records_of_the_header(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """It is no record, in whatever encoding it is."""
     start = HEADER.index("FILE_NAME")
     damaged = HEADER[:start].encode() + b"'\x99';" + HEADER[start:].encode()
-    part21 = check_step(write(tmp_path, damaged + DATA.encode()), "arm.step", found)
+    part21 = check_step(write(tmp_path, damaged + DATA.encode()), "arm.step", diagnostics)
     assert part21 is not None
     assert part21.header.name == "arm '7'"
 
@@ -57,10 +57,10 @@ def test_a_text_between_the_records_of_the_header(tmp_path: Path, found: ReadDia
         ("SOMETHING_ELSE { 1 }", "SOMETHING_ELSE"),
     ],
 )
-def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_schemas(schema: str, name: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A schema has its usual short name."""
     text = HEADER.replace("AUTOMOTIVE_DESIGN { 1 0 10303 214 3 1 1 }", schema)
-    part21 = check_step(write(tmp_path, text + DATA), "x", found)
+    part21 = check_step(write(tmp_path, text + DATA), "x", diagnostics)
     assert part21 is not None
     assert part21.header.schema == name
 
@@ -87,52 +87,52 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
     ],
 )
 def test_files_that_cannot_be_read(
-    content: bytes, code: str, word: str, line: int, tmp_path: Path, found: ReadDiagnostics
+    content: bytes, code: str, word: str, line: int, tmp_path: Path, diagnostics: ReadDiagnostics
 ) -> None:
     """Each error is one diagnostic at its line, with a remedy."""
-    assert check_step(write(tmp_path, content), "given/name.step", found) is None
-    (diagnostic,) = found
+    assert check_step(write(tmp_path, content), "given/name.step", diagnostics) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.code == code
     assert word in diagnostic.message
     assert (diagnostic.span.file, diagnostic.span.line) == ("given/name.step", line)
     assert diagnostic.help
 
 
-def test_missing_folder_and_unreadable(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_missing_folder_and_unreadable(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A path that is not a file is an error."""
-    assert check_step(tmp_path / "none.step", "none.step", found) is None
-    assert check_step(tmp_path, "folder", found) is None
-    assert [(d.code, d.message) for d in found] == [
+    assert check_step(tmp_path / "none.step", "none.step", diagnostics) is None
+    assert check_step(tmp_path, "folder", diagnostics) is None
+    assert [(d.code, d.message) for d in diagnostics] == [
         ("SB001", "file not found"),
         ("SB001", "is a folder, not a STEP file"),
     ]
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="rights hold neither on Windows nor for root")
-def test_file_without_rights(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_file_without_rights(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A file without read permission is an error."""
     path = write(tmp_path, HEADER + DATA)
     path.chmod(0)
-    assert check_step(path, "x", found) is None
-    assert found.codes() == ["SB001"]
+    assert check_step(path, "x", diagnostics) is None
+    assert diagnostics.codes() == ["SB001"]
 
 
 EXTERNAL = "#7=DOCUMENT_FILE('TAIL.sldprt','','',#8,'',$);\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n"
 
 
-def test_geometry_in_other_files(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_geometry_in_other_files(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """References to other files without own geometry, or to native CAD files, are an error."""
     only = DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", EXTERNAL)
     beside = DATA.replace("DATA;\n", "DATA;\n" + EXTERNAL)
     for text in (only, beside):
-        assert check_step(write(tmp_path, HEADER + text), "x", found) is None
-    first, second = found
+        assert check_step(write(tmp_path, HEADER + text), "x", diagnostics) is None
+    first, second = diagnostics
     assert (first.code, first.span.line) == ("SB203", 10)
     assert first.message == "all geometry is in files that are not STEP: 'TAIL.sldprt', 'manual.pdf'"
     assert second.message == "parts of the geometry is in files that are not STEP: 'TAIL.sldprt'"
 
 
-def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_references_to_step_files(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """References have product definition, product, name and line; other files may contain shapes only."""
     text = """#1=PRODUCT('id','tail','',(#2));
 #3=PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE('','',#1,.NOT_KNOWN.);
@@ -146,7 +146,9 @@ def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> Non
 #14=PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS('','',#3,#5,(#13));
 #15=DOCUMENT_FILE('manual.pdf','','',#8,'',$);
 """
-    part21 = check_step(write(tmp_path, HEADER + DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", text)), "x", found)
+    part21 = check_step(
+        write(tmp_path, HEADER + DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", text)), "x", diagnostics
+    )
     assert part21 is not None
     assert [(r.definition, r.product, r.name, r.line) for r in part21.references] == [
         (4, "tail", "parts/tail '7'.stp", 13),
@@ -160,7 +162,9 @@ def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> Non
     ("source", "expected"),
     [("tail.stp", "tail.stp"), ("parts/tail.stp", "parts/tail.stp"), ("tail.stp/parts", "tail.stp/parts/tail.stp")],
 )
-def test_a_source_that_repeats_the_name(source: str, expected: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_source_that_repeats_the_name(
+    source: str, expected: str, tmp_path: Path, diagnostics: ReadDiagnostics
+) -> None:
     """The location of a file may end with its name; a document under version control is between part and file."""
     text = f"""#1=PRODUCT('id','tail','',(#2));
 #3=PRODUCT_DEFINITION_FORMATION('','',#1);
@@ -175,35 +179,37 @@ def test_a_source_that_repeats_the_name(source: str, expected: str, tmp_path: Pa
 #19=EXTERNAL_SOURCE(IDENTIFIER('{source}'));
 #20=APPLIED_DOCUMENT_REFERENCE(#14,'',(#4));
 """
-    part21 = check_step(write(tmp_path, HEADER + DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", text)), "x", found)
+    part21 = check_step(
+        write(tmp_path, HEADER + DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", text)), "x", diagnostics
+    )
     assert part21 is not None
     assert [(r.definition, r.product, r.name) for r in part21.references] == [(4, "tail", expected)]
 
 
-def test_references_to_other_documents_are_ignored(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_references_to_other_documents_are_ignored(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A reference to a manual is not a reference to a part."""
     text = DATA.replace("DATA;\n", "DATA;\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n")
-    assert check_step(write(tmp_path, HEADER + text), "x", found) is not None
+    assert check_step(write(tmp_path, HEADER + text), "x", diagnostics) is not None
 
 
 @pytest.mark.parametrize(
     ("name", "encoding"), [("Deckel", "ascii"), ("Wälzlager", "utf-8"), ("螺丝" * 400_000, "utf-8")], ids=[*"abc"]
 )
-def test_encodings(name: str, encoding: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_encodings(name: str, encoding: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """UTF-8 is detected, also if a character crosses two chunks of the file."""
     text = HEADER + DATA.replace("''", f"'{name}'")
-    part21 = check_step(write(tmp_path, text), "x", found)
+    part21 = check_step(write(tmp_path, text), "x", diagnostics)
     assert part21 is not None
     assert part21.encoding == encoding
 
 
-def test_names_in_an_unknown_encoding_are_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_names_in_an_unknown_encoding_are_a_warning(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Bytes that are not UTF-8 are a warning with their line."""
     content = (HEADER + DATA).encode().replace(b"ADVANCED_FACE(''", "ADVANCED_FACE('Деталь'".encode("cp1251"))
-    part21 = check_step(write(tmp_path, content), "x", found)
+    part21 = check_step(write(tmp_path, content), "x", diagnostics)
     assert part21 is not None
     assert part21.encoding == ""
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert (diagnostic.code, diagnostic.span.line) == ("SB210", 10)
 
 

@@ -69,11 +69,13 @@ def test_density(mass: str, length: str, density: float, tmp_path: Path) -> None
         ("DERIVED_UNIT((", "DERIVED_UNIT((#9001,", ""),
     ],
 )
-def test_a_density_without_its_unit(old: str, new: str, word: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_density_without_its_unit(
+    old: str, new: str, word: str, tmp_path: Path, diagnostics: ReadDiagnostics
+) -> None:
     """A value without a unit of density is ignored with a diagnostic."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
-    assert density_of(read_here(rewrite(path, (old, new)), found)) is None
-    (diagnostic,) = found
+    assert density_of(read_here(rewrite(path, (old, new)), diagnostics)) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB211"
     assert word in diagnostic.notes[0]
 
@@ -84,7 +86,7 @@ def test_zero_is_no_density(tmp_path: Path) -> None:
     assert density_of(read_quietly(rewrite(path, ("MEASURE(7.85)", "MEASURE(0.)")))) is None
 
 
-def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_densities_that_contradict_each_other(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Two contradictory densities are both ignored with a diagnostic."""
     path = parts.write_box(tmp_path / "box.step", density=7850.0).path
     text = path.read_text(encoding="utf-8").replace("\n", "")
@@ -102,8 +104,8 @@ def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnos
 #9103=PROPERTY_DEFINITION('material property','density',#{relation[2]});
 #9104=PROPERTY_DEFINITION_REPRESENTATION(#9103,#9102);
 """
-    assert density_of(read_here(rewrite(path, extra=second), found)) is None
-    (diagnostic,) = found
+    assert density_of(read_here(rewrite(path, extra=second), diagnostics)) is None
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB211"
     assert "7850, 1200" in diagnostic.message
 
@@ -149,11 +151,11 @@ def test_length_units(unit: str, name: str, scale: float, tmp_path: Path) -> Non
     assert body.exact.volume == pytest.approx(100 * 60 * 40 * scale**3, rel=1e-9, abs=0)
 
 
-def test_an_inch_of_another_size(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_inch_of_another_size(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """An inch that is not 25.4 mm has its declared size, with a warning."""
     path = parts.write_box(tmp_path / "box.step").path
     extra = EXTRA.replace("0.0254", "0.025")
-    assembly = read_here(rewrite(path, (MILLIMETRE, INCH), extra=extra), found)
+    assembly = read_here(rewrite(path, (MILLIMETRE, INCH), extra=extra), diagnostics)
     assert assembly is not None
     assert assembly.unit_scale == pytest.approx(0.025)
-    assert found.codes() == ["SB209"]
+    assert diagnostics.codes() == ["SB209"]

@@ -102,8 +102,8 @@ def test_a_thread(tmp_path: Path) -> None:
     shape = swept_about_the_axis(BRepBuilderAPI_MakePolygon(*corners, True).Wire())
     expected = thread(*trapezoid())
     assert_same(Boundary(shape, np.array([0.0, 0.0, 6.0])).integrals(1), shifted(expected, 6.0), 3e-6)
-    found = Diagnostics()
-    assembly = read_here(write_with_parameter_curves(tmp_path / "thread.step", shape), found)
+    diagnostics = Diagnostics()
+    assembly = read_here(write_with_parameter_curves(tmp_path / "thread.step", shape), diagnostics)
     assert assembly is not None
     body = only(assembly)
     assert_same(body.exact, expected, 3e-6)

@@ -97,15 +97,15 @@ def test_the_finest_claim_on_a_body_holds(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_mesh_that_grows_too_large_is_coarsened(
-    tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The number of faces is limited, with a warning about the tolerance."""
     monkeypatch.setattr(tessellation, "MAX_FACES", 2000)
     path = parts.write_sphere(tmp_path / "ball.step").path
-    body = only(read_here(path, found, ReadOptions(tolerance=MeshTolerance(1e-5, angle=0.02))))
+    body = only(read_here(path, diagnostics, ReadOptions(tolerance=MeshTolerance(1e-5, angle=0.02))))
     assert 500 < len(body.mesh.faces) <= 2000
     assert body.watertight
-    assert found.codes() == ["SB603"]
+    assert diagnostics.codes() == ["SB603"]
 
 
 # Mass
@@ -124,14 +124,14 @@ def test_measuring_meshes_are_refined(tmp_path: Path) -> None:
     assert len(body.mesh.faces) < 5000
 
 
-def test_refinement_has_a_bound(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refinement_has_a_bound(tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """If the limit of faces is reached first, the best measurement is kept, with a warning about the deviation."""
     monkeypatch.setattr(exact, "MAX_MEASURING_FACES", 5000)
     drawing = parts.write_sphere(tmp_path / "ball.step")
-    body = only(read_here(drawing.path, found, ReadOptions(refine_mass_to=1e-6)))
+    body = only(read_here(drawing.path, diagnostics, ReadOptions(refine_mass_to=1e-6)))
     assert body.refined is not None
     assert 1e-6 < abs(body.refined.volume / drawing.body.mass - 1) < 1e-2
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert diagnostic.code == "SB511"
     assert "e-0" in diagnostic.message
 
@@ -164,7 +164,7 @@ def test_rational_surfaces_are_integrated_well(
     assert np.abs(np.array(exact.unit_density.inertia) - inertia).max() < 1e-4 * np.abs(inertia).max()
 
 
-def test_a_solid_inside_out_is_turned_round(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_solid_inside_out_is_turned_round(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A solid whose faces point inwards is reversed: positive volume, outward mesh."""
     drawing = parts.write_bored_plate(tmp_path / "plate.step")
     text = drawing.path.read_text(encoding="utf-8")
@@ -175,8 +175,8 @@ def test_a_solid_inside_out_is_turned_round(tmp_path: Path, found: ReadDiagnosti
     )
     assert only_faces != text
     drawing.path.write_text(only_faces, encoding="utf-8", newline="\n")
-    body = only(read_here(drawing.path, found))
-    list(found)
+    body = only(read_here(drawing.path, diagnostics))
+    list(diagnostics)
     assert body.watertight
     assert body.exact is not None
     assert body.exact.volume == pytest.approx(drawing.body.mass, rel=1e-9, abs=0)
@@ -211,12 +211,12 @@ def test_curves_alone_are_a_wire(tmp_path: Path) -> None:
     assert (body.kind, len(body.mesh.faces), body.watertight) == (BodyKind.WIRE, 0, False)
 
 
-def test_curves_beside_a_solid_are_left_out(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_curves_beside_a_solid_are_left_out(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Curves beside a solid are no separate body, which is reported."""
     shape = solids.compound(edge(), solids.box(10, 10, 10).shape)
-    body = only(read_here(write(tmp_path / "both.step", shape), found))
+    body = only(read_here(write(tmp_path / "both.step", shape), diagnostics))
     assert body.kind == BodyKind.SOLID
-    assert found.codes() == ["SB216"]
+    assert diagnostics.codes() == ["SB216"]
 
 
 # Axes
@@ -346,7 +346,7 @@ def test_a_slanted_seam_is_straightened(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("seconds", "calls"), [(-1.0, 1), (1e9, 4)])
 def test_tries_to_mesh_end_at_a_limit(
-    seconds: float, calls: int, tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+    seconds: float, calls: int, tmp_path: Path, diagnostics: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where a face stays without triangles, the best mesh is kept, and the message says whether tries were left."""
     mesh, made = tessellation.tessellated_once, list[int]()
@@ -358,9 +358,9 @@ def test_tries_to_mesh_end_at_a_limit(
     monkeypatch.setattr(tessellation, "tessellated_once", lacking)
     monkeypatch.setattr(tessellation, "RETRY_SECONDS", seconds)
     path = write(tmp_path / "ball.step", solids.sphere(10).shape)
-    assert only(read_here(path, found)).exact is not None
+    assert only(read_here(path, diagnostics)).exact is not None
     assert len(made) == calls
-    (message,) = (diagnostic.message for diagnostic in found if diagnostic.code == "SB601")
+    (message,) = (diagnostic.message for diagnostic in diagnostics if diagnostic.code == "SB601")
     assert ("tries ended" in message) is (seconds < 0.0)
     assert ("2 of its faces" in message) is (seconds < 0.0)
 

@@ -26,10 +26,10 @@ from tests.unit.step.in_process import by_path, read_here, read_quietly
 BLOCK = solids.box(40, 30, 20).at(5, 7, 11)
 
 
-def read_one(path: Path, shape: Any, found: ReadDiagnostics) -> Body:
+def read_one(path: Path, shape: Any, diagnostics: ReadDiagnostics) -> Body:
     """The only body of a file with one part of this shape."""
     write_step(path, Part("part", shape))
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
     (body,) = assembly.bodies
     return body
@@ -50,12 +50,12 @@ def assert_exact(body: Body, drawn: Moments, relative: float = 1e-9) -> None:
 # Voids
 
 
-def test_a_solid_with_voids(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_solid_with_voids(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Two voids, one round, have no mass; the mesh has their walls, facing inwards."""
     hollow = BLOCK - solids.sphere(6).at(0, 3, 11) - solids.box(5, 6, 7).at(15, 10, 12)
-    body = read_one(tmp_path / "hollow.step", hollow.shape, found)
+    body = read_one(tmp_path / "hollow.step", hollow.shape, diagnostics)
     assert "BREP_WITH_VOIDS" in (tmp_path / "hollow.step").read_text(encoding="utf-8")
-    assert (body.kind, list(found)) == (BodyKind.SOLID, [])
+    assert (body.kind, list(diagnostics)) == (BodyKind.SOLID, [])
     assert_exact(body, hollow.moments)
     assert np.array(body.mesh.bounds) == pytest.approx(np.array([(-15, -8, 1), (25, 22, 21)]) / 1000)
     assert len(np.unique(np.sign(body.mesh.vertices - [0, 3e-3, 11e-3]), axis=0)) >= 8
@@ -96,12 +96,12 @@ def write_faceted(path: Path, x: float, y: float, z: float) -> None:
     path.write_text(before + "\n".join(lines) + "\nENDSEC;" + after, encoding="utf-8", newline="\n")
 
 
-def test_a_faceted_solid(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_faceted_solid(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A faceted solid has the volume of the closed form."""
     write_faceted(tmp_path / "faceted.step", 40.0, 30.0, 20.0)
-    assembly = read_here(tmp_path / "faceted.step", found)
+    assembly = read_here(tmp_path / "faceted.step", diagnostics)
     assert assembly is not None
-    assert list(found) == []
+    assert list(diagnostics) == []
     (body,) = assembly.bodies
     assert body.kind == BodyKind.SOLID
     assert_exact(body, solids.box(40, 30, 20).moments)
@@ -111,24 +111,24 @@ def test_a_faceted_solid(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-4])
-def test_faces_that_meet_are_sewn(gap: float, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_faces_that_meet_are_sewn(gap: float, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A solid whose faces share no edges is sewn where they meet, with a note; the volume is unchanged."""
     drilled = BLOCK - solids.cylinder(4, 20).at(0, 7, 1)
-    body = read_one(tmp_path / "unsewn.step", solids.unsewn(drilled.shape, gap), found)
-    assert [(d.code, d.severity) for d in found] == [("SB217", "note")]
+    body = read_one(tmp_path / "unsewn.step", solids.unsewn(drilled.shape, gap), diagnostics)
+    assert [(d.code, d.severity) for d in diagnostics] == [("SB217", "note")]
     assert_exact(body, drilled.moments, relative=max(1e-9, gap))
     (bore,) = {face.bore for face in body.axis_faces}
     assert bore
 
 
-def test_colours_survive_sewing(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_colours_survive_sewing(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A face keeps its colour when its edges are replaced."""
     loose = solids.unsewn(BLOCK.shape)
     path = tmp_path / "red.step"
     write_step(path, Part("part", loose, "#0000ff", ((solids.faces(loose)[0], "#ff0000"),)))
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
-    assert found.codes() == ["SB217"]
+    assert diagnostics.codes() == ["SB217"]
     (body,) = assembly.bodies
     red = body.colors.index((1.0, 0.0, 0.0, 1.0))
     corners = body.mesh.vertices[body.mesh.faces[body.face_colors == red]]
@@ -136,17 +136,17 @@ def test_colours_survive_sewing(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert corners[:, :, 0] == pytest.approx(-0.015)
 
 
-def test_gaps_stay_open(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_gaps_stay_open(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Gaps larger than the file's precision are not closed."""
-    body = read_one(tmp_path / "gaps.step", solids.unsewn(BLOCK.shape, 0.05), found)
-    assert found.codes() == ["SB602"]
+    body = read_one(tmp_path / "gaps.step", solids.unsewn(BLOCK.shape, 0.05), diagnostics)
+    assert diagnostics.codes() == ["SB602"]
     assert (body.exact, body.watertight) == (None, False)
 
 
-def test_a_foil_is_not_sewn(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_foil_is_not_sewn(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A thin foil is not sewn if the allowed gap is not small against its thickness."""
-    body = read_one(tmp_path / "foil.step", solids.unsewn(solids.box(40, 30, 0.5).shape), found)
-    assert found.codes() == ["SB602"]
+    body = read_one(tmp_path / "foil.step", solids.unsewn(solids.box(40, 30, 0.5).shape), diagnostics)
+    assert diagnostics.codes() == ["SB602"]
     assert body.exact is None
 
 
@@ -155,21 +155,21 @@ def test_a_foil_is_not_sewn(tmp_path: Path, found: ReadDiagnostics) -> None:
 
 @pytest.mark.parametrize("as_shells", [True, False])
 @pytest.mark.parametrize("x", [6.0, 14.0])
-def test_lobes_that_overlap(x: float, as_shells: bool, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_lobes_that_overlap(x: float, as_shells: bool, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A solid of two intersecting blocks is reported by name, since its volume is ambiguous."""
     blocks = [solids.faces(block.shape) for block in (solids.box(20, 20, 20), solids.box(10, 10, 10).at(x, 3, 2))]
     if x == 6.0:  # within the other, yet not a void, since it extends beyond the top
         blocks[1] = solids.faces(solids.box(10, 10, 30).at(x, 3, 2).shape)
     shells = blocks if as_shells else [[face for block in blocks for face in block]]
-    read_one(tmp_path / "crossing.step", solids.solid_of(*shells), found)
-    (warning,) = found
+    read_one(tmp_path / "crossing.step", solids.solid_of(*shells), diagnostics)
+    (warning,) = diagnostics
     assert (warning.code, warning.severity) == ("SB607", "warning")
     assert any("mass in the sidecar" in help for help in warning.help)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
 @pytest.mark.parametrize("inwards", [0, 1, 2])
-def test_shells_within_shells(count: int, inwards: int, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_shells_within_shells(count: int, inwards: int, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Solid and void in turn from the outside in, whatever the orientation in the file; beside them a second void."""
     sizes = [60.0 / 1.5**k for k in range(count)]
     shells = [solids.faces(solids.box(size, size, size).shape) for size in sizes]
@@ -178,19 +178,19 @@ def test_shells_within_shells(count: int, inwards: int, tmp_path: Path, found: R
         [f.Reversed() for f in shell] if (k + 1) % (inwards + 1) == 0 else shell for k, shell in enumerate(shells)
     ]
     turned[0] = shells[0]
-    body = read_one(tmp_path / "nested.step", solids.solid_of(*turned), found)
+    body = read_one(tmp_path / "nested.step", solids.solid_of(*turned), diagnostics)
     assert body.exact is not None
     expected = sum((-1) ** k * size**3 for k, size in enumerate(sizes)) - 8.0
     assert body.exact.volume * 1e9 == pytest.approx(expected, rel=1e-9)
-    assert set(found.codes()) <= {"SB217"}
-    assert bool(found.codes()) or count == 2, "a guess is never silent"
+    assert set(diagnostics.codes()) <= {"SB217"}
+    assert bool(diagnostics.codes()) or count == 2, "a guess is never silent"
 
 
-def test_lobes_that_cancel(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_lobes_that_cancel(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Two equal blocks, one as a void, have only rounding errors as volume."""
     blocks = (solids.box(20, 20, 20), solids.box(20, 20, 20).at(10, 5, 3))
-    body = read_one(tmp_path / "nothing.step", solids.solid_of(*(solids.faces(b.shape) for b in blocks)), found)
-    assert found.codes() == ["SB602"]
+    body = read_one(tmp_path / "nothing.step", solids.solid_of(*(solids.faces(b.shape) for b in blocks)), diagnostics)
+    assert diagnostics.codes() == ["SB602"]
     assert body.exact is None
 
 
@@ -243,7 +243,7 @@ def rewritten(path: Path, *changes: tuple[str, str]) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def test_an_assembly_with_a_solid_of_its_own(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_assembly_with_a_solid_of_its_own(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A product with both a shape and components has its own solid as component ``body``, in the right pose."""
     pin, own = parts.drawn("pin", solids.cylinder(3, 10)), parts.drawn("own", BLOCK)
     group = Tree("group", [Occurrence(pin, "pin:1", pose((50, 0, 0))), Occurrence(pin, "pin:2", pose((60, 0, 0)))])
@@ -270,9 +270,9 @@ def test_an_assembly_with_a_solid_of_its_own(tmp_path: Path, found: ReadDiagnost
             f"#{statement}=SHAPE_REPRESENTATION_RELATIONSHIP('','',{group_shape},{own_shape})",
         ),
     )
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
-    assert [d.code for d in found if d.severity != "note"] == []
+    assert [d.code for d in diagnostics if d.severity != "note"] == []
     components = by_path(assembly)
     assert {p for p, c in components.items() if c.body >= 0} == {"group/pin:1", "group/pin:2", "group/body"}
     component = components["group/body"]
@@ -305,7 +305,7 @@ def units(text: str) -> Iterable[re.Match[str]]:
     return re.finditer(r"#(\d+)=\( LENGTH_UNIT\(\) NAMED_UNIT\(\*\) SI_UNIT\(\.MILLI\.,\.METRE\.\) \);", text)
 
 
-def test_a_part_in_another_unit_than_its_assembly(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_a_part_in_another_unit_than_its_assembly(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A part in inches in an assembly in millimetres has both units applied."""
     block = parts.drawn("block", solids.box(10, 20, 30))
     pin = parts.drawn("pin", solids.box(1, 2, 3))
@@ -321,9 +321,9 @@ def test_a_part_in_another_unit_than_its_assembly(tmp_path: Path, found: ReadDia
 #9006=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.0254),#9005);
 #{last[1]}=( CONVERSION_BASED_UNIT('INCH',#9006) LENGTH_UNIT() NAMED_UNIT(#9004) );"""
     path.write_text(text[: last.start()] + inch + text[last.end() :], encoding="utf-8", newline="\n")
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
-    assert [d.code for d in found if d.severity != "note"] == []
+    assert [d.code for d in diagnostics if d.severity != "note"] == []
     assert "inch" in assembly.facts["further units"]
     sizes = {
         c.product: np.ptp(assembly.bodies[c.body].mesh.vertices, axis=0) for c in assembly.components if c.body >= 0
@@ -360,7 +360,7 @@ def test_axes_of_mirror_images(tmp_path: Path) -> None:
         assert np.linalg.norm(np.cross(apart, direction)) < 1e-12
 
 
-def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_triangles_that_name_no_corner(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A tessellated body with an invalid corner fails alone, and is reported by name."""
     path = parts.write_tessellated(tmp_path / "scan.step").path
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
@@ -368,21 +368,21 @@ def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -
     assert faces, text
     broken = text[: faces.start(1)] + "2147483647" + text[faces.end(1) :]
     path.write_text(broken, encoding="utf-8", newline="\n")
-    read_here(path, found)
-    assert found.codes() == ["SB213"]
+    read_here(path, diagnostics)
+    assert diagnostics.codes() == ["SB213"]
 
 
-def test_triangles_that_face_different_sides(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_triangles_that_face_different_sides(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """As Open CASCADE writes a tessellated solid, whose reversed faces keep the direction of their surfaces."""
     path = parts.write_tessellated(tmp_path / "scan.step").path
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     number = count()
     wound = re.sub(r"\((\d+),(\d+),(\d+)\)", lambda m: m[0] if next(number) % 2 else f"({m[2]},{m[1]},{m[3]})", text)
     path.write_text(wound, encoding="utf-8", newline="\n")
-    assembly = read_here(path, found)
+    assembly = read_here(path, diagnostics)
     assert assembly is not None
     (body,) = assembly.bodies
-    assert found.codes() == ["SB217"]
+    assert diagnostics.codes() == ["SB217"]
     assert body.watertight
     assert signed_volume(body.mesh.vertices, body.mesh.faces) == pytest.approx(30 * 40 * 50e-9, rel=1e-12)
 

@@ -16,9 +16,9 @@ def test_shared_assemblies_of_millions_are_refused(tmp_path: Path, levels: int, 
     step = tmp_path / "tree.step"
     write_tree(step, levels, children)
     assert step.stat().st_size < 100_000
-    found = Diagnostics()
-    assert start_reading(step, ReadOptions(), memory_limit=2 << 30).finish(found) is None
-    (error,) = found
+    diagnostics = Diagnostics()
+    assert start_reading(step, ReadOptions(), memory_limit=2 << 30).finish(diagnostics) is None
+    (error,) = diagnostics
     assert error.code == "SB215"
     assert count in error.message
 
@@ -27,7 +27,7 @@ def test_shared_assemblies_are_read(tmp_path: Path) -> None:
     """The same structure with few components is read: 1 + 3 + 9 + 27."""
     step = tmp_path / "tree.step"
     write_tree(step, 3, 3)
-    found = Diagnostics()
-    assembly = start_reading(step, ReadOptions()).finish(found)
-    assert assembly is not None, list(map(str, found))
+    diagnostics = Diagnostics()
+    assembly = start_reading(step, ReadOptions()).finish(diagnostics)
+    assert assembly is not None, list(map(str, diagnostics))
     assert len(assembly.components) == 40

@@ -42,7 +42,7 @@ def test_units_of_statements(unit: LengthUnit, stated_in: str, tmp_path: Path) -
         assert validation.deviation < 1e-9
 
 
-def test_differences_are_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_differences_are_reported(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A wrong volume and a wrong centroid are reported with both values, the deviation and the part."""
     drawing = parts.write_box(tmp_path / "box.step", (100.0, 60.0, 40.0))
     file = StepEditor(drawing.path)
@@ -51,9 +51,9 @@ def test_differences_are_reported(tmp_path: Path, found: ReadDiagnostics) -> Non
     file.measure(block, Quantity.AREA, 24_800.0 * 1.009)
     center = np.array(drawing.body.com) * 1e3 + (3.0, 0.0, 0.0)
     file.centroid(block, center, file.context(file.representation(block)))
-    assembly = read_here(file.write(), found)
+    assembly = read_here(file.write(), diagnostics)
     assert assembly is not None
-    (diagnostic,) = found
+    (diagnostic,) = diagnostics
     assert (diagnostic.code, diagnostic.severity) == ("SB226", "warning")
     validations = by_quantity(assembly)
     assert validations["area"].agrees  # within 1 %
@@ -99,7 +99,7 @@ def test_mirrored_and_repeated_occurrences(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("style", ["shape representation", "item usage"])
-def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_solids_of_a_part(style: str, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """Each solid of a part has its own values, in the forms of AP214 and AP242."""
     drawing = parts.write_two_solids(tmp_path / "pair.step")
     file = StepEditor(drawing.path)
@@ -117,46 +117,46 @@ def test_solids_of_a_part(style: str, tmp_path: Path, found: ReadDiagnostics) ->
             shape = file.add(f"SHAPE_REPRESENTATION('',(#{brep}),#{file.context(representation)})")
             file.add(f"SHAPE_DEFINITION_REPRESENTATION(#{meaning},#{shape})")
         file.measure(aspect, Quantity.VOLUME, piece.body.mass * 1e9)
-    assembly = read_here(file.write(), found)
+    assembly = read_here(file.write(), diagnostics)
     assert assembly is not None
     read = {assembly.components[v.component].path: v.read[0] for v in assembly.validations}
     assert read == {piece.path: pytest.approx(piece.body.mass, rel=1e-9, abs=0) for piece in drawing.pieces}
     assert len(set(read.values())) == 2
     assert all(validation.agrees for validation in assembly.validations)
-    assert found.codes() == []
+    assert diagnostics.codes() == []
 
 
-def test_what_cannot_be_compared(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_what_cannot_be_compared(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A volume in square metres, and a value of something that is not a part, are counted as not compared."""
     file = StepEditor(parts.write_box(tmp_path / "box.step").path)
     root = file.definition("block")
     file.measure(root, Quantity.VOLUME, 1.0, power=2)
     file.measure(file.find("APPLICATION_CONTEXT"), Quantity.VOLUME, 1.0)
-    assembly = read_here(file.write(), found)
+    assembly = read_here(file.write(), diagnostics)
     assert assembly is not None
     assert assembly.validations == ()
-    codes = found.codes()
+    codes = diagnostics.codes()
     assert "SB227" in codes
     assert "SB226" not in codes
 
 
-def test_triangles_are_not_compared(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_triangles_are_not_compared(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """A tessellated body has no exact volume to compare."""
     file = StepEditor(parts.write_tessellated(tmp_path / "mesh.step").path)
     file.measure(file.definition("scan"), Quantity.VOLUME, 1.0)
-    assembly = read_here(file.write(), found)
+    assembly = read_here(file.write(), diagnostics)
     assert assembly is not None
-    assert (assembly.validations, found.codes()) == ((), ["SB227"])
+    assert (assembly.validations, diagnostics.codes()) == ((), ["SB227"])
 
 
-def test_an_open_solid_has_no_volume(tmp_path: Path, found: ReadDiagnostics) -> None:
+def test_an_open_solid_has_no_volume(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The stated volume of a solid that lost a face is reported as different."""
     file = StepEditor(parts.write_open_solid(tmp_path / "open.step").path)
     file.measure(file.definition("open box"), Quantity.VOLUME, 1000.0)
-    assembly = read_here(file.write(), found)
+    assembly = read_here(file.write(), diagnostics)
     assert assembly is not None
     assert [validation.read for validation in assembly.validations] == [(0.0,)]
-    assert sorted(found.codes()) == ["SB226", "SB602"]
+    assert sorted(diagnostics.codes()) == ["SB226", "SB602"]
 
 
 def test_without_geometry_nothing_is_compared(tmp_path: Path) -> None:
@@ -180,14 +180,14 @@ def test_areas_cost_nothing_where_none_is_stated(tmp_path: Path) -> None:
     ("name", "count", "differing"),
     [("as1-oc-214.step", 27, 0), ("s1_autocad_foot.step", 39, 0), ("dm1_ideas_inch.step", 19, 1)],
 )
-def test_real_files(name: str, count: int, differing: int, corpus: Path, found: ReadDiagnostics) -> None:
+def test_real_files(name: str, count: int, differing: int, corpus: Path, diagnostics: ReadDiagnostics) -> None:
     """Values stated by three CAD programs for real assemblies agree, in mm, feet and inches."""
-    assembly = read_here(corpus / name, found)
+    assembly = read_here(corpus / name, diagnostics)
     assert assembly is not None
     assert len(assembly.validations) == count
     wrong = [validation for validation in assembly.validations if not validation.agrees]
     assert len(wrong) == differing
-    assert found.codes() == ["SB226"] * (differing > 0)
+    assert diagnostics.codes() == ["SB226"] * (differing > 0)
     for validation in assembly.validations:
         if validation.quantity is Quantity.VOLUME:
             assert validation.deviation < 3e-4
