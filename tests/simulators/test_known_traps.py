@@ -285,9 +285,9 @@ def test_libsdformat_calls_later_versions_valid(arm: Folder) -> None:
     from stepbot.engines.libsdformat import observer as libsdformat
 
     path = _changed(arm, "sdf", "later.sdf", 'sdf version="1.9"', 'sdf version="9.9"')
-    program = libsdformat._command()
-    assert program is not None
-    run = subprocess.run([program, "sdf", "--check", str(path)], capture_output=True, text=True, check=False)
+    command = libsdformat._command()
+    assert command is not None
+    run = subprocess.run([command[0], "sdf", "--check", str(path)], capture_output=True, text=True, check=False)
     assert run.returncode == 0
     assert "Valid." in run.stdout
     with pytest.raises(RemoteError, match=r"version 9\.9") as caught:
