@@ -7,11 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span, cut
 from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.description.statements import Statement
-from stepbot.engines.observation import Quantity, Request
+from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import JointRow
@@ -246,18 +247,42 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, diagnostics: Diag
                 yield judged(subject, one, diagnostics)
 
 
-def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[QuantityComparison, ...]:
-    """The comparison of a file with the first one."""
-    return _compared_across(ours, theirs, asked, first=True, whole=True)
+def compared_with_first(
+    ours: Gathered, theirs: Gathered, asked: Asked, *, springs_alone: bool = False
+) -> tuple[QuantityComparison, ...]:
+    """The comparison of a file with the first one.
+
+    Args:
+        springs_alone: Whether the rest of a joint without stiffness, of which nothing is written, does not count.
+    """
+    return _compared_across(ours, theirs, asked, first=True, whole=True, springs_alone=springs_alone)
+
+
+def _without_rests(observation: Observation) -> Observation:
+    joints = (
+        replace(joint, dynamics=replace(joint.dynamics, spring_reference=0.0))
+        if joint.dynamics is not None and not joint.dynamics.stiffness
+        else joint
+        for joint in observation.joints
+    )
+    return replace(observation, joints=tuple(joints))
 
 
 def _compared_across(
-    ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool, whole: bool = False
+    ours: Gathered,
+    theirs: Gathered,
+    asked: Asked,
+    *,
+    first: bool,
+    whole: bool = False,
+    springs_alone: bool = False,
 ) -> tuple[QuantityComparison, ...]:
     pair = ours.observation, theirs.observation
     by = asked.correspondences.get(theirs.key, Correspondence(()))
     if first:
         pair = normalized_joints(*pair, by, asked.configurations)
+    if springs_alone:
+        pair = _without_rests(pair[0]), _without_rests(pair[1])
     results = compare(*normalized(*pair))
     if first:
         _add_other_names(results, asked.paired.get(theirs.key, UNCHANGED))

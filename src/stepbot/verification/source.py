@@ -143,7 +143,7 @@ def verify_against_source(
         gathered = gather(seen)
         whole = _with_whole_visuals(without_stand_ins(gathered.observation), pieces)
         theirs = replace(gathered, observation=with_effective_ranges(whole))
-        for compared in compared_with_first(ours, theirs, asked):
+        for compared in compared_with_first(ours, theirs, asked, springs_alone=True):
             if compared.quantity in OWN_RESULT:
                 continue
             reason = lost.get(compared.quantity) or written.lost.get(compared.quantity)
