@@ -360,9 +360,9 @@ class Frames:
             ]
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
         snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
-        first = CENTRE if wanted.is_ball else self._other_parents(wanted)
+        first = CENTRE if request.is_ball else self._other_parents(request)
         others = snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]
-        self._report_none(wanted, message, (*first, *others), tuple(notes))
+        self._report_none(request, message, (*first, *others), tuple(notes))
 
     def _other_parents(self, request: OriginRequest) -> list[str]:
         """Links with a shaft in a bore of the child's, or the reverse: one of them may be its parent."""
