@@ -1,6 +1,8 @@
 """Reads an existing robot description, foreign data, in a worker process."""
 
 import re
+from bisect import bisect_left
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.sax.saxutils import escape
@@ -25,7 +27,8 @@ from .sidecars import report_missing
 
 _DESCRIBE = "stepbot.engines.describe:describe"
 _SUBJECT = re.compile(r"(link|joint|closure|actuator|sensor|mesh) '([^']+)'")
-_TAGS = {"link": "link|body", "joint": "joint|freejoint"}
+_NAMED = re.compile(r"""<([a-zA-Z_]+)\b[^<>]*?\bname\s*=\s*("[^"]*"|'[^']*')""")
+_TAGS = {"link": ("link", "body"), "joint": ("joint", "freejoint")}
 """Elements that state what a finding is about; other subjects are elements of any name."""
 
 
@@ -94,20 +97,44 @@ def _without_line(message: str) -> tuple[str, int]:
     return text, int(line or 0)
 
 
-def place_of(finding: str, path: Path, description: Description) -> Span:
-    """Where a description states what a finding begins with: ``joint 'elbow' ...``; the file alone if nowhere."""
-    subject = _SUBJECT.match(finding)
-    if subject is None:
-        return Span(path.as_posix())
-    kind, name = subject.groups()
-    with open_regular(path) as file:
-        content = description.expanded or file.read(HEAD)
-    text = content.decode("utf-8", "replace")
-    quoted = rf"""["']{re.escape(escape(name))}["']"""
-    pattern = quoted if kind == "mesh" else rf"<(?:{_TAGS.get(kind, '[a-z_]+')})\b[^<>]*\bname\s*=\s*{quoted}"
-    stated = re.search(pattern, text)
-    line = 0 if stated is None else text.count("\n", 0, stated.start()) + 1
-    return description.place(path.as_posix(), line)
+class Places:
+    """Where a description states what findings begin with, such as ``joint 'elbow' ...``."""
+
+    def __init__(self, path: Path, description: Description) -> None:
+        self._path, self._description = path, description
+
+    def of(self, finding: str) -> Span:
+        """The place of a finding; the file alone where its subject is not stated."""
+        subject = _SUBJECT.match(finding)
+        offset = self._offset(*subject.groups()) if subject is not None else -1
+        line = 0 if offset < 0 else bisect_left(self._ends, offset) + 1
+        return self._description.place(self._path.as_posix(), line)
+
+    def _offset(self, kind: str, name: str) -> int:
+        if kind == "mesh":  # by its file
+            offsets = (self._text.find(f"{quote}{escape(name)}{quote}") for quote in "\"'")
+            return min((offset for offset in offsets if offset >= 0), default=-1)
+        stated = self._elements.get(escape(name), ())
+        return next((offset for tag, offset in stated if tag in _TAGS.get(kind, (tag,))), -1)
+
+    @cached_property
+    def _text(self) -> str:
+        with open_regular(self._path) as file:
+            content = self._description.expanded or file.read(HEAD)
+        return content.decode("utf-8", "replace")
+
+    @cached_property
+    def _ends(self) -> list[int]:
+        """Where lines end."""
+        return [end.start() for end in re.finditer("\n", self._text)]
+
+    @cached_property
+    def _elements(self) -> dict[str, list[tuple[str, int]]]:
+        """For each name the tags of its elements, and where these begin."""
+        elements: dict[str, list[tuple[str, int]]] = {}
+        for element in _NAMED.finditer(self._text):
+            elements.setdefault(element[2][1:-1], []).append((element[1], element.start()))
+        return elements
 
 
 def described_robot(path: Path, options: Options, diagnostics: Diagnostics, *, drawn: bool = True) -> Robot | None:
@@ -125,8 +152,9 @@ def described_robot(path: Path, options: Options, diagnostics: Diagnostics, *, d
     described = robot_of_description(description, path.stem, path.name, drawn=drawn)
     if not drawn:
         lacking = [finding for finding in described.findings if finding.code == UNSUPPORTED]
+        places = Places(path, description)
         for one in lacking:
-            diagnostics.add(one.code, one.text, place_of(one.text, path, description))
+            diagnostics.add(one.code, one.text, places.of(one.text))
         return None if lacking else described.robot
     if described.missing:
         count = len(described.missing)

@@ -30,7 +30,7 @@ from stepbot.sidecar.settings import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows_of
 
 from .conversion import Checked, Conversion, Options, is_description
-from .describing import place_of, read_description
+from .describing import Places, read_description
 from .loading import input_hashes, input_names
 from .self_collisions import with_self_collision
 from .verdict import robot_words
@@ -165,13 +165,14 @@ def _robot(
         diagnostics.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     described = _with_possible_masses(described, options)
     lacking_inertia = () if options.assume_inertia else description.without_inertia
+    places = Places(path, description)
     without_inertia = [link for link in lacking_inertia if link not in replaced]
     for link in without_inertia:
         text = f"link '{link}': <inertial> has a mass and no <inertia>"
         help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"]
-        diagnostics.add(UNSUPPORTED, text, place_of(text, path, description), help=help)
+        diagnostics.add(UNSUPPORTED, text, places.of(text), help=help)
     for one in described.findings:
-        diagnostics.add(one.code, one.text, place_of(one.text, path, description), help=one.help)
+        diagnostics.add(one.code, one.text, places.of(one.text), help=one.help)
     computed = {finding.text.split("'")[1] for finding in described.findings if finding.code == ASSUMED}
     known = computed | described.surroundings | set(replaced)
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in known)
