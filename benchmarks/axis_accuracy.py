@@ -41,10 +41,9 @@ class AxisAccuracy:
 
         Where those of one link are all farther off, as after an export with rounded placements, it has another axis.
         """
-        kinds = {
-            JointKind.BALL: (FaceKind.SPHERE,),
-            JointKind.PRISMATIC: (*_REVOLVED, FaceKind.PLANE),
-        }.get(joint.kind, _REVOLVED)
+        kinds = {JointKind.BALL: (FaceKind.SPHERE,), JointKind.PRISMATIC: (*_REVOLVED, FaceKind.PLANE)}.get(
+            joint.kind, _REVOLVED
+        )
         for link in (joint.a, joint.b):
             near = [
                 axis

@@ -132,10 +132,7 @@ def _four_bar(name: str, zeros: bool) -> Robot:
 
     def bar(link: str, length: float, rgba: Rgba) -> Link:
         return shop.link(
-            link,
-            [((length + 0.02, 0.02, 0.01), at(x=length / 2))],
-            [(0.008, 0.006, at(x=length / 3, z=-0.008))],
-            rgba,
+            link, [((length + 0.02, 0.02, 0.01), at(x=length / 2))], [(0.008, 0.006, at(x=length / 3, z=-0.008))], rgba
         )
 
     ground = shop.link("ground", [((GROUND + 0.06, 0.05, 0.01), at(x=GROUND / 2))])
@@ -271,12 +268,7 @@ def tree() -> Robot:
     joints = (
         Joint("base_to_post", JointKind.FIXED, "base", "post", at(0.01, 0.02, 0.01, (0, 0, math.pi / 4))),
         Joint(
-            "left_pivot",
-            JointKind.REVOLUTE,
-            "post",
-            "left_arm",
-            at(0.03, 0, 0.2, (0.3, math.pi / 2, 0.7)),
-            limit=limit,
+            "left_pivot", JointKind.REVOLUTE, "post", "left_arm", at(0.03, 0, 0.2, (0.3, math.pi / 2, 0.7)), limit=limit
         ),
         Joint(
             "right_pivot",
@@ -343,13 +335,7 @@ def odd_names() -> Robot:
     limit = Limit(-1.0, 1.0, velocity=1.0, effort=1.0)
     joints = (
         Joint(
-            "joint no. 1",
-            JointKind.REVOLUTE,
-            "Grundplatte groß",
-            "звено 1,5",
-            at(z=0.02),
-            (1.0, 0.0, 0.0),
-            limit=limit,
+            "joint no. 1", JointKind.REVOLUTE, "Grundplatte groß", "звено 1,5", at(z=0.02), (1.0, 0.0, 0.0), limit=limit
         ),
         Joint("末端", JointKind.REVOLUTE, "звено 1,5", "末端", at(z=0.13), (0.0, 1.0, 0.0), limit=limit),
     )

@@ -66,11 +66,7 @@ class Bend:
     """Of the tube."""
 
 
-ROLLS = (
-    Roll(58, 46, 30, 100, 44),
-    Roll(48, 30, -41.88, 78.73, 40),
-    Roll(42, 52, -27, 100.39, 28),
-)
+ROLLS = (Roll(58, 46, 30, 100, 44), Roll(48, 30, -41.88, 78.73, 40), Roll(42, 52, -27, 100.39, 28))
 BENDS = (Bend(48, -30, 172.83, 50), Bend(43, 40.5, 164.61, 42), Bend(36, 27, 29, 32))
 TONGUE, CHEEK = 0.48, 0.92
 """Half the thickness of a tongue, and of a fork, in radii of the fork."""

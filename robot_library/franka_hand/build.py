@@ -75,11 +75,7 @@ def finger() -> list[Body]:
     for groove in range(5):
         pad -= at(bd.Box(17.5, 0.8, 1), (0, 0.4, 38.9 + 3.2 * groove))
     screws = [at(screw(4), (x, 26, 11), (-90, 0, 0)) for x in (-6.0, 6.0)]
-    return [
-        Body("finger", body, ALUMINIUM),
-        Body("pad", pad, BLACK),
-        *(Body("screw", head, STEEL) for head in screws),
-    ]
+    return [Body("finger", body, ALUMINIUM), Body("pad", pad, BLACK), *(Body("screw", head, STEEL) for head in screws)]
 
 
 def _thick(profile: bd.Sketch, width: float) -> bd.Part:

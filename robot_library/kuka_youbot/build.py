@@ -130,11 +130,7 @@ def plate_link() -> list[Body]:
     plate = at(block(x, y, 4, 16, only="z"), (0, 0, z - 4))
     tray = at(block(x - 24, y - 24, 2, 10, only="z"), (0, 0, z - 2))
     posts = [at(cylinder(6, z - 4), (sx * (x / 2 - 22), sy * (y / 2 - 40), 0)) for sx in (-1, 1) for sy in (-1, 1)]
-    return [
-        Body("plate", plate - tray, LIGHT),
-        Body("mat", tray, DARK),
-        *(Body("post", post, STEEL) for post in posts),
-    ]
+    return [Body("plate", plate - tray, LIGHT), Body("mat", tray, DARK), *(Body("post", post, STEEL) for post in posts)]
 
 
 def arm_link_0() -> list[Body]:

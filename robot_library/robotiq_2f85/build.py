@@ -101,10 +101,7 @@ def inner_knuckle() -> list[Body]:
     """The other crank: two cheeks beside everything else."""
     plates = _plates([((0, 0), 7), (CRANK, 6.5)], KNUCKLE_FORK)
     pin = _pin(CRANK, KNUCKLE_FORK[1], 2.5)
-    return [
-        *(Body("cheek", plate - _pin((0, 0), 20, 3.05) - pin, DARK) for plate in plates),
-        Body("pin", pin, STEEL),
-    ]
+    return [*(Body("cheek", plate - _pin((0, 0), 20, 3.05) - pin, DARK) for plate in plates), Body("pin", pin, STEEL)]
 
 
 def inner_finger() -> list[Body]:

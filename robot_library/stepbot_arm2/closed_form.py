@@ -156,10 +156,7 @@ def _m(X_AB: Array) -> Array:
 def joint_frames() -> dict[str, Array]:
     """Joint frames at q = 0, shape (4, 4) [m]. The origins of the sliding fingers are arbitrary."""
     middle = d.TURNTABLE_FOOT + d.TURNTABLE.height / 2
-    return {
-        "shoulder": pose((0, 0, middle / 1000)),
-        "elbow": pose((0, 0, d.ELBOW_HEIGHT / 1000), ALONG_Y),
-    }
+    return {"shoulder": pose((0, 0, middle / 1000)), "elbow": pose((0, 0, d.ELBOW_HEIGHT / 1000), ALONG_Y)}
 
 
 def expected() -> dict[str, Any]:

@@ -179,11 +179,7 @@ def machine() -> Machine:
             *placed(part("board", draw_board(), BOARD), pose((-64, 0, 8))),
             *placed(part("socket", draw_socket(), PLASTIC, shapes.BLACK), pose((-70, 0, 9.6))),
         ],
-        "shoulder": [
-            *placed(horn, pose((0, 0, -d.HORN))),
-            *placed(printed["shoulder"]),
-            *placed(servo, lift),
-        ],
+        "shoulder": [*placed(horn, pose((0, 0, -d.HORN))), *placed(printed["shoulder"]), *placed(servo, lift)],
         "upper_arm": [
             *placed(printed["upper arm"]),
             *placed(horn, *horns(along_y), *horns(pose((0, 0, d.UPPER), _LYING))),

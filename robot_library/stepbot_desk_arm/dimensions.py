@@ -32,14 +32,7 @@ JAW_X, JAW_Y = 30.0, 14.0
 """The jaw's axis in the frame of the gripper."""
 
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll", "gripper")
-DRAWN = {
-    "shoulder_pan": 0,
-    "shoulder_lift": -22,
-    "elbow_flex": 38,
-    "wrist_flex": 38,
-    "wrist_roll": 0,
-    "gripper": 32,
-}
+DRAWN = {"shoulder_pan": 0, "shoulder_lift": -22, "elbow_flex": 38, "wrist_flex": 38, "wrist_roll": 0, "gripper": 32}
 """[degrees] Joint positions in the drawing."""
 
 HALF = SERVO[2] / 2

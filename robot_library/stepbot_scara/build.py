@@ -112,12 +112,7 @@ def machine() -> Machine:
             Link("spindle", X_WQ, placed(screw)),
             Link("flange", X_WT, placed(flange, pose((0, 0, -d.FLANGE)))),
         ),
-        {
-            "shoulder": JointFrame(X_WU),
-            "elbow": JointFrame(X_WF),
-            "quill": JointFrame(X_WQ),
-            "wrist": JointFrame(X_WT),
-        },
+        {"shoulder": JointFrame(X_WU), "elbow": JointFrame(X_WF), "quill": JointFrame(X_WQ), "wrist": JointFrame(X_WT)},
         closed_form.known(),
     )
 

@@ -103,10 +103,7 @@ def machine() -> Machine:
         for joint, link in (("grip", "fingers"), ("thumb_grip", "thumb")):
             joints[f"{side}_{joint}"] = JointFrame(places[f"{side}_{link}"], (-left, 0, 0))
     return Machine(
-        "upper_body",
-        [Link(name, X_WL, parts[name]) for name, X_WL in places.items()],
-        joints,
-        closed_form.known(),
+        "upper_body", [Link(name, X_WL, parts[name]) for name, X_WL in places.items()], joints, closed_form.known()
     )
 
 

@@ -46,11 +46,7 @@ def base() -> list[Body]:
     foot = flange(74.5, 12, on_circle(4, 132, 45), 4.25) - at(cylinder(5, 12), (0, 66, 0))  # [D]
     pedestal = at(housing(63, 87, 3, 0), (0, 0, 12)) + at(cylinder(LARGE - 3, 4), (0, 0, 98))
     plug = rod((0, -60, 34), (0, -79, 34), 11) + rod((0, -79, 34), (0, -86, 34), 8)
-    return [
-        Body("foot", foot, ALUMINIUM),
-        Body("pedestal", pedestal, SHELL),
-        Body("connector", plug - pedestal, BLACK),
-    ]
+    return [Body("foot", foot, ALUMINIUM), Body("pedestal", pedestal, SHELL), Body("connector", plug - pedestal, BLACK)]
 
 
 def _tee(radius: float, along: float, below: float, lid: float) -> bd.Shape:

@@ -107,15 +107,9 @@ def test_findings_are_results(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda: stepbot.convert("arm.robot.yaml", out="arm"),
-            "no argument 'out'; did you mean 'output'",
-        ),
+        (lambda: stepbot.convert("arm.robot.yaml", out="arm"), "no argument 'out'; did you mean 'output'"),
         (lambda: stepbot.convert("arm.robot.yaml", format="urdf"), "did you mean 'formats'"),
-        (
-            lambda: stepbot.check("arm.robot.yaml", step=True),
-            "takes a path, not True; `open_step=True`",
-        ),
+        (lambda: stepbot.check("arm.robot.yaml", step=True), "takes a path, not True; `open_step=True`"),
         (lambda: stepbot.drive("arm", tests="grab"), "no test 'grab'"),
         (lambda: stepbot.render("arm.step", view="korner"), "no view 'korner'; did you mean 'corner'"),
     ],

@@ -49,17 +49,7 @@ UNCHANGED = (
     ["check", "arm2.robot.yaml"],
 )
 
-SLOW = {
-    "bz2",
-    "hashlib",
-    "multiprocessing",
-    "random",
-    "shutil",
-    "socket",
-    "subprocess",
-    "tempfile",
-    "traceback",
-}
+SLOW = {"bz2", "hashlib", "multiprocessing", "random", "shutil", "socket", "subprocess", "tempfile", "traceback"}
 """Modules of the standard library that take milliseconds, as long as all of stepbot's own for `--version`."""
 
 

@@ -30,11 +30,7 @@ COUNTS = {"pimouse": (14, 6), "so101": (16, 18), "follower": (39, 33)}
 draft; as in docs/view.md."""
 RIM, TYRE = "Whreel5_ネジ穴位置改良", "タイヤφ44用7.5mm幅_RT-T75-44-R"
 FOLLOWER = Path(__file__).parents[1] / "corpus" / "low_cost_robot_follower.robot.yaml"
-TURNED = (
-    "XL430_to_XL330_new_connector_joint",
-    "XL330_to_XL330_straight_joint",
-    "servo_connector_angle_joint",
-)
+TURNED = ("XL430_to_XL330_new_connector_joint", "XL330_to_XL330_straight_joint", "servo_connector_angle_joint")
 """Joints of the follower that its truth turns the other way."""
 
 COUNTING = """

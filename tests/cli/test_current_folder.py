@@ -154,8 +154,7 @@ def test_no_further_command_imports_from_the_current_folder(tmp_path: Path, robo
 
 @pytest.mark.long  # tests/unit/runtime/test_import_path.py removes the entries in a new interpreter
 @pytest.mark.parametrize(
-    "python_path",
-    [pytest.param(os.pathsep, id="empty"), pytest.param(f"{os.pathsep}.", id="relative")],
+    "python_path", [pytest.param(os.pathsep, id="empty"), pytest.param(f"{os.pathsep}.", id="relative")]
 )
 def test_no_import_from_the_current_folder_where_python_begins_with_it(
     tmp_path: Path, robot_library: Path, python_path: str

@@ -144,13 +144,7 @@ def test_old_processor(tmp_path: Path, robot_library: Path, robot: str) -> None:
 
 
 @pytest.mark.long  # `make wheels` compares robots with such hulls between Pythons
-@pytest.mark.parametrize(
-    ("robot", "times"),
-    [
-        ("stepbot_diff_drive", 6),
-        ("stepbot_upper_body", 6),
-    ],
-)
+@pytest.mark.parametrize(("robot", "times"), [("stepbot_diff_drive", 6), ("stepbot_upper_body", 6)])
 def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, times: int) -> None:
     """Repeated conversions in new processes without a cache have the same bytes, including large hulls."""
     (sidecar,) = (robot_library / robot).glob("*.robot.yaml")

@@ -13,10 +13,7 @@ import pytest
 from tests.command_line import Run, convert_once, snapshot, stepbot, stepbot_process
 
 BAR = os.fsdecode(b"b\xe4r")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(sys.platform != "linux", reason="file names are Unicode there"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform != "linux", reason="file names are Unicode there")]
 
 
 @pytest.fixture

@@ -33,10 +33,7 @@ MODULES = {
     "lerobot": "lerobot",
     "newton": "newton",
 }
-INSTALLED = {
-    "playground": ("playground",),
-    "newton": ("newton", "newton-usd-schemas", "usd-core", "scipy"),
-}
+INSTALLED = {"playground": ("playground",), "newton": ("newton", "newton-usd-schemas", "usd-core", "scipy")}
 """Programs that the test installs.
 
 Others take 5 GB and more, or another MuJoCo than stepbot's: ``PYTHON_WITH_MJLAB=/path/to/python`` names an interpreter
@@ -241,10 +238,7 @@ def three_in_a_row() -> Robot:
     """A cylinder, a sphere and a box on two joints: neighbours never touch."""
     shapes = {"first": Cylinder(0.1, 0.2), "second": Sphere(0.1), "third": Box((0.1, 0.1, 0.1))}
     links = tuple(Link(name, collisions=(Collision(name, shape),)) for name, shape in shapes.items())
-    joints = (
-        Joint("a", JointKind.CONTINUOUS, "first", "second"),
-        Joint("b", JointKind.CONTINUOUS, "second", "third"),
-    )
+    joints = (Joint("a", JointKind.CONTINUOUS, "first", "second"), Joint("b", JointKind.CONTINUOUS, "second", "third"))
     return Robot("row", links, joints)
 
 

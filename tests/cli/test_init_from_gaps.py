@@ -54,9 +54,7 @@ def test_limits_without_a_range_are_marked(
     assert text.count("# REVIEW: no range: the description limits it to 0 ") == len(moving)
 
 
-def test_a_link_that_moves_in_the_step_is_reported(
-    drafted: Callable[[Callable[[str], str]], dict[str, Any]],
-) -> None:
+def test_a_link_that_moves_in_the_step_is_reported(drafted: Callable[[Callable[[str], str]], dict[str, Any]]) -> None:
     """A description that fixes the turntable to the base is told that the drawing turns it."""
     document = drafted(lambda text: text.replace('name="shoulder" type="revolute"', 'name="shoulder" type="fixed"'))
     (note,) = (one for one in document["notes"] if "do not move here, but may in the STEP" in one)

@@ -356,10 +356,7 @@ def test_fix_follows_shifted_numbers(lever: Revision, stepbot: Stepbot) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("glob", "becomes"),
-    [("**/mot*", "arm/XL430"), ("**/M*", None)],
-)
+@pytest.mark.parametrize(("glob", "becomes"), [("**/mot*", "arm/XL430"), ("**/M*", None)])
 def test_fix_rewrites_only_globs_of_one(glob: str, becomes: str | None, lever: Revision, stepbot: Stepbot) -> None:
     """A glob that matched only the renamed part is replaced by its path; one with several matches is kept."""
     names = {"motor": "XL430", "motor:1": "XL430:1"}

@@ -38,16 +38,7 @@ from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.datasheet import accelerations
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.metadata import Metadata
-from stepbot.robot.model import (
-    Actuator,
-    ActuatorKind,
-    Joint,
-    JointKind,
-    Limit,
-    Link,
-    Mimic,
-    Robot,
-)
+from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.runtime.programs import sdf_programs
 from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main
@@ -285,9 +276,7 @@ def test_an_arm_has_the_joints_before_it(lengths: tuple[int, ...], expected: lis
 
 def launched(package: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """What a launch file starts, with stand-ins for ROS: nodes are mappings, other actions tuples."""
-    share = {
-        "get_package_share_directory": lambda name: str(package if name == PACKAGE else package.parent / name),
-    }
+    share = {"get_package_share_directory": lambda name: str(package if name == PACKAGE else package.parent / name)}
     modules = {
         "ament_index_python.packages": share,
         "launch": {"LaunchDescription": list},

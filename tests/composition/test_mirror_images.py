@@ -232,10 +232,7 @@ PLATE = ("plate: {file: torso.urdf, at: body/torso, offset: {xyz: [0, -0.5, 0]}}
             (*PAIR, ON_LEFT, "right_hand: {mirror_of: left_hand, at: right_arm/thumb}"),
             "on link 'right_arm_thumb' instead of 'right_arm_finger'",
         ),
-        (
-            (*ON_CART, "right_hand: {mirror_of: left_hand, at: cart}"),
-            "on link 'cart_torso' instead of 'body_torso'",
-        ),
+        ((*ON_CART, "right_hand: {mirror_of: left_hand, at: cart}"), "on link 'cart_torso' instead of 'body_torso'"),
         ((*PLATE, "right_hand: {mirror_of: left_hand, at: plate, offset: {xyz: [0, 0.3, 0]}}"), ""),
         ((*PLATE, "right_hand: {mirror_of: left_hand, at: plate, offset: {xyz: [0, 0.2, 0]}}"), "100 mm, 0 deg"),
         (

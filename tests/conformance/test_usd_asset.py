@@ -190,8 +190,4 @@ def test_same_bytes() -> None:
     bare = replace(robot, links=tuple(replace(link, visuals=(), collisions=()) for link in robot.links))
     assert {Path(path).stem for path in simready_folder(robot)} - {
         Path(path).stem for path in simready_folder(bare)
-    } == {
-        "geometries",
-        "instances",
-        "materials",
-    }
+    } == {"geometries", "instances", "materials"}

@@ -98,10 +98,7 @@ def test_text_of_the_layer_is_what_usd_writes_for_it(tmp_path: Path) -> None:
     """A layer that USD writes in its binary format has the same text as ours."""
     points = RANDOM.normal(size=(500, 3)).astype(np.float32)
     faces = RANDOM.integers(0, 500, 2000).astype(np.int32)
-    attributes = (
-        CrateAttribute("faceVertexIndices", "int[]", faces),
-        CrateAttribute("points", "point3f[]", points),
-    )
+    attributes = (CrateAttribute("faceVertexIndices", "int[]", faces), CrateAttribute("points", "point3f[]", points))
     stage = opened(CratePrim("Mesh", "mesh", attributes), tmp_path)
     layer = stage.GetRootLayer()  # which expires with the stage
     assert layer.Export(str(tmp_path / "theirs.usdc"))

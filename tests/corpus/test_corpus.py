@@ -41,12 +41,7 @@ def each(files: tuple[CorpusFile, ...], long: tuple[str, ...]) -> pytest.MarkDec
 
 MEASURED_ELSEWHERE = "low_cost_robot_follower.step"
 """test_follower.py compares its mass properties with the integrals of the kernel's own reader."""
-LARGE = (
-    MEASURED_ELSEWHERE,
-    "openarm_leader_gripper.step",
-    "rotor_pump_ap203.step",
-    "russian_names_cp1251.step",
-)
+LARGE = (MEASURED_ELSEWHERE, "openarm_leader_gripper.step", "rotor_pump_ap203.step", "russian_names_cp1251.step")
 """Files that take longer than all others together."""
 UNITS = {"box_sides_inch.step": "inch", "dm1_ideas_inch.step": "inch", "s1_autocad_foot.step": "foot"}
 DENSITY = 1000.0

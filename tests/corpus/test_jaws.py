@@ -72,10 +72,7 @@ def driven(sidecar: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> di
 
 @pytest.mark.parametrize("sidecar", [follower, so101, koch])
 def test_jaw_holds_a_cube(
-    sidecar: Callable[[Path, Path, str], str],
-    corpus: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    sidecar: Callable[[Path, Path, str], str], corpus: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """200 g slip by less than 2 mm with the servo's effort; with 0.01 N m, 0.15 N at the tip, they fall."""
     strong = driven(sidecar(corpus, tmp_path, "2.94" if sidecar is so101 else "0.5"), tmp_path, capsys)

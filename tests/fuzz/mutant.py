@@ -9,14 +9,7 @@ from random import Random
 from msgspec import Struct
 
 from .damage import flipped_bytes, spoiled_header, spoiled_strings, truncation
-from .rewiring import (
-    circles,
-    dropped_entities,
-    numbers,
-    rewired_references,
-    spoiled_arguments,
-    swapped_keywords,
-)
+from .rewiring import circles, dropped_entities, numbers, rewired_references, spoiled_arguments, swapped_keywords
 from .step_text import StepText
 
 Damage = Callable[[StepText, Random], bytes]

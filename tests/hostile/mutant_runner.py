@@ -353,11 +353,7 @@ _ROOMS = (
     *(f"stepbot.{one}" for one in ("assemble", "described", "diagnostics", "draft", "formats", "jobs", "pipeline")),
     *(f"stepbot.{one}" for one in ("report", "revisions", "robot", "runtime", "sidecar", "verification", "viewing")),
 )
-_WORKERS = (
-    "stepbot.step.worker:read",
-    "stepbot.engines.describe:describe",
-    "stepbot.engines.file_references:refusals",
-)
+_WORKERS = ("stepbot.step.worker:read", "stepbot.engines.describe:describe", "stepbot.engines.file_references:refusals")
 
 if __name__ == "__main__":
     main(Path(sys.argv[1]), Path(sys.argv[2]).resolve())

@@ -45,7 +45,6 @@ EXPERIMENT = Experiment(
         "a URDF of 2,000 links that no joint connects took minutes, in time that grew with the cube of their number",
         "a placement without its point, of a part that occurs many times in a STEP file, raised an exception",
         "of 9,600 trials of seed 301 three found a fault: the infinite scan, the effort limit and the loose links; "
-        "these end with SB902 after 25 s still, since the text is searched for the place of each of 6,000 warnings "
-        "(open)",
+        "these 2,004 links take 31 s of processor time still, in linear time (open)",
     ),
 )

@@ -75,11 +75,7 @@ CASES = (
 )
 """Those of the short form first."""
 
-_TERMINAL = (
-    sys.executable,
-    "-c",
-    "import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))",
-)
+_TERMINAL = (sys.executable, "-c", "import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))")
 """A command that runs another one on a terminal of its own and copies its output."""
 _OWN_SEQUENCE = re.compile(r"\x1b\[([0-9]{1,2};?)*m|\x1b\[\?25[hl]|\x1b\[[0-9]?[AKJ]|\r")
 """Colours and progress bar of stepbot."""

@@ -37,14 +37,8 @@ _SDFORMAT = (
         r"model/joint.*|joint/(parent|child|pose)",
         "of a joint that closes a loop: PyBullet reads a copy without it, and Drake another file",
     ),
-    (
-        r"limit/(lower|upper)",
-        "1e16, which means unlimited, the default; or of a screw, whose limits Drake ignores",
-    ),
-    (
-        r"limit/(effort|velocity)",
-        "Drake reads neither of universal joints, and no velocity limit of screws",
-    ),
+    (r"limit/(lower|upper)", "1e16, which means unlimited, the default; or of a screw, whose limits Drake ignores"),
+    (r"limit/(effort|velocity)", "Drake reads neither of universal joints, and no velocity limit of screws"),
     (
         r"axis2?/limit",
         "1e16, which means unlimited, the default; or effort and velocity of a universal joint, ignored by Drake",

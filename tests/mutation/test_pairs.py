@@ -43,10 +43,7 @@ def _missed(seed: int, folder: Path, count: int, *, field: bool = False) -> list
 @pytest.mark.slow
 @given(seed=st.integers(0, 2**32))
 @settings(
-    max_examples=1,
-    deadline=None,
-    phases=[Phase.generate],
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    max_examples=1, deadline=None, phases=[Phase.generate], suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_another_number_is_another_robot(seed: int, tmp_path: Path) -> None:
     """Whichever number of a file is another one, the files differ; numbers below 1e-11 in poses aside."""

@@ -227,8 +227,7 @@ def test_names_of_files_are_those_of_the_user(
             marks=pytest.mark.long,
         ),
         pytest.param(
-            *("sdf", "<cmd_max>12.5", "<cmd_max>12.6", "actuators", "highest force of actuator"),
-            marks=pytest.mark.long,
+            *("sdf", "<cmd_max>12.5", "<cmd_max>12.6", "actuators", "highest force of actuator"), marks=pytest.mark.long
         ),
         pytest.param("sdf", "<ambient>0.9", "<ambient>0.8", "shapes", "ambient colour of visual"),
     ],

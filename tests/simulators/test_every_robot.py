@@ -131,10 +131,7 @@ def _marks(name: str) -> list[pytest.MarkDecorator]:
     return [group, pytest.mark.long] if name in LONG else [group]
 
 
-@pytest.fixture(
-    scope="module",
-    params=[pytest.param(name, marks=_marks(name)) for name in ROBOTS],
-)
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=_marks(name)) for name in ROBOTS])
 def proof(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Report, list[str]]:
     """Name of a robot, its report, and its diagnostics."""
     name: str = request.param

@@ -15,10 +15,7 @@ pytestmark = pytest.mark.mujoco
 Changed = Callable[..., str]
 
 LINK = '<link name="upper_arm">'
-IN_WORLD = (
-    ("<model ", '<world name="w"><gravity>{}</gravity><model '),
-    ("</model>", "</model></world>"),
-)
+IN_WORLD = (("<model ", '<world name="w"><gravity>{}</gravity><model '), ("</model>", "</model></world>"))
 
 
 @pytest.fixture(scope="module")

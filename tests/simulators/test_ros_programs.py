@@ -137,12 +137,7 @@ def ros() -> Iterator[dict[str, str]]:
 def packaged(name: str, folder: Path, ros: Mapping[str, str]) -> Robot:
     """A robot of the library as URDF expresses it, after its package was written, and given to ROS as its robot."""
     options = Options(
-        folder,
-        formats=("urdf",),
-        verify=False,
-        package=f"{name}_description",
-        ros2=True,
-        cache=Cache(default_folder()),
+        folder, formats=("urdf",), verify=False, package=f"{name}_description", ros2=True, cache=Cache(default_folder())
     )
     conversion = produce(library_robot(name).sidecar, options)
     conversion.diagnostics.raise_if_errors()

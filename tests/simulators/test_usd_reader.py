@@ -75,11 +75,7 @@ DYNAMICS = {Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS}
     [
         (r"physics:mass = 0.972", "physics:mass = 0.9721", {Quantity.MASS, *DYNAMICS}),
         (r"physics:centerOfMass = \(0.15,", "physics:centerOfMass = (0.1501,", {Quantity.COM, *DYNAMICS}),
-        (
-            r"physics:diagonalInertia = \(0.0002025",
-            "physics:diagonalInertia = (0.0002026",
-            {Quantity.INERTIA},
-        ),
+        (r"physics:diagonalInertia = \(0.0002025", "physics:diagonalInertia = (0.0002026", {Quantity.INERTIA}),
         (r"physics:lowerLimit = -60", "physics:lowerLimit = -60.001", {Quantity.LIMITS, Quantity.ACTUATORS}),
         (r"newton:velocityLimit = 180", "newton:velocityLimit = 180.01", {Quantity.LIMITS}),
         (r"newton:armature = 0.003", "newton:armature = 0.0031", {Quantity.DYNAMICS}),

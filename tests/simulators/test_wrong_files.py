@@ -63,13 +63,7 @@ SDF = {
     "velocity": ("two_link_arm", r"(<velocity>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.LIMITS),
     "damping": ("two_link_arm", r"(<damping>)([^<]*)", 1.001, {"pybullet", "reader"}, Q.DYNAMICS),
     "stiffness": ("slider", r"(<spring_stiffness>)([^<]*)", 1.001, {"reader"}, Q.DYNAMICS),
-    "place": (
-        "two_link_arm",
-        r'(<link name="forearm">\s*<pose>)([^ ]*)',
-        1.001,
-        {"pybullet", "reader"},
-        Q.POSES,
-    ),
+    "place": ("two_link_arm", r'(<link name="forearm">\s*<pose>)([^ ]*)', 1.001, {"pybullet", "reader"}, Q.POSES),
     "multiplier": ("gripper_with_mimic", r"(<multiplier>)(-[^<]*)", 1.001, {"reader"}, Q.MIMIC),
     "frame": ("two_link_arm", r"(<frame [^>]*>\s*<pose>)([^ ]*)", 1.001, {"reader"}, Q.FRAMES),
     "closure": ("four_bar", r'(<joint name="rocker_pin"[^$]*?<pose>)([^ ]*)', 1.001, {"reader"}, Q.CLOSURES),
@@ -157,13 +151,7 @@ def damage(text: str, pattern: str, factor: float) -> str:
 
 @pytest.mark.parametrize(("written_in", "engine", "robot", "pattern", "factor", "quantity"), CASES)
 def test_a_wrong_number_is_noticed(
-    written_in: str,
-    engine: str,
-    robot: str,
-    pattern: str,
-    factor: float,
-    quantity: Quantity,
-    right: Right,
+    written_in: str, engine: str, robot: str, pattern: str, factor: float, quantity: Quantity, right: Right
 ) -> None:
     """The quantity of the changed number fails; the unchanged file passes (see test_every_robot)."""
     path, asked, expected = right(robot, written_in)

@@ -129,12 +129,7 @@ def test_conversion_is_proven(leg: Path, tmp_path: Path) -> None:
     conversion = convert(leg, Options(tmp_path / "out", formats=("urdf", "mjcf"), package_path=(tmp_path,)))
     assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
     lost = {one.message.partition(":")[0] for one in conversion.diagnostics if one.code == "SB860"}
-    assert lost == {
-        "<texture> in <asset>",
-        "<light> in <worldbody>",
-        "<geom> in <worldbody>",
-        "<tendon> in <mujoco>",
-    }
+    assert lost == {"<texture> in <asset>", "<light> in <worldbody>", "<geom> in <worldbody>", "<tendon> in <mujoco>"}
     assert conversion.report is not None
     assert set(conversion.report.inputs) == {"leg.xml", "defaults.xml"}
     of_source = [one for one in conversion.report.checks if one.against.startswith("leg.xml (")]

@@ -67,10 +67,7 @@ def test_frames_with_a_mass_are_point_masses(tmp_path: Path) -> None:
     assert not model.body("tip").inertia.any()
 
 
-@pytest.mark.parametrize(
-    ("kind", "mass", "arm"),
-    [("revolute", "1e-9", "1"), ("fixed", "5", "0")],
-)
+@pytest.mark.parametrize(("kind", "mass", "arm"), [("revolute", "1e-9", "1"), ("fixed", "5", "0")])
 def test_other_links_need_an_inertia(tmp_path: Path, kind: str, mass: str, arm: str) -> None:
     """One that moves alone, or on links without mass, has an inertia that was forgotten."""
     path, frame = tmp_path / "robot.urdf", _FRAME.format(kind).replace("1e-9", mass)

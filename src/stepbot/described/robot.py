@@ -21,12 +21,7 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import half_size
 from stepbot.geometry.spatial import ZERO3, ZERO33, Array, Pose, perpendicular_frame, tidy
 from stepbot.robot.inertial_doubts import GREATEST
-from stepbot.robot.kinematics import (
-    initial_configuration,
-    link_poses,
-    neighbours,
-    without_contacts,
-)
+from stepbot.robot.kinematics import initial_configuration, link_poses, neighbours, without_contacts
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.mesh_names import UniqueNames, ascii_name, free_name, is_device, valid_name
 from stepbot.robot.model import (

@@ -11,15 +11,7 @@ from math import atan2
 import numpy as np
 from msgspec.structs import replace
 
-from stepbot.draft.draft import (
-    Confidence,
-    Draft,
-    DraftClosure,
-    DraftJoint,
-    DraftLink,
-    OriginForm,
-    OriginSnippet,
-)
+from stepbot.draft.draft import Confidence, Draft, DraftClosure, DraftJoint, DraftLink, OriginForm, OriginSnippet
 from stepbot.geometry.spatial import Array, Pose, Vector3, angle_between, unit, vector3
 from stepbot.robot.model import JointKind, Limit
 from stepbot.step.assembly import Assembly
@@ -159,11 +151,7 @@ def _joint(
 
 
 def _closure(
-    pair: KinematicPair,
-    members: Sequence[Sequence[int]],
-    names: Sequence[str],
-    assembly: Assembly,
-    scale: float,
+    pair: KinematicPair, members: Sequence[Sequence[int]], names: Sequence[str], assembly: Assembly, scale: float
 ) -> DraftClosure:
     joint = _joint(pair, *pair.links, members, names, assembly, scale)
     return DraftClosure(

@@ -37,16 +37,7 @@ from .counterparts import counterparts, with_new_names, with_old_names
 from .deviation import TOLERANCES, Deviations
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .joint_rows import joint_rows
-from .judging import (
-    UNCHANGED,
-    Asked,
-    checks_within,
-    compared_with_first,
-    judge,
-    ranked,
-    report_of,
-    report_unread,
-)
+from .judging import UNCHANGED, Asked, checks_within, compared_with_first, judge, ranked, report_of, report_unread
 from .merged_observation import Gathered, gather
 from .naming import Naming, moved
 from .probe import Probe, Probed, in_a_process

@@ -269,13 +269,7 @@ def _without_rests(observation: Observation) -> Observation:
 
 
 def _compared_across(
-    ours: Gathered,
-    theirs: Gathered,
-    asked: Asked,
-    *,
-    first: bool,
-    whole: bool = False,
-    springs_alone: bool = False,
+    ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool, whole: bool = False, springs_alone: bool = False
 ) -> tuple[QuantityComparison, ...]:
     pair = ours.observation, theirs.observation
     by = asked.correspondences.get(theirs.key, Correspondence(()))

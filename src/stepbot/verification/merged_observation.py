@@ -126,9 +126,7 @@ def _link(link: ObservedLink, other: ObservedLink | None, filled: set[Quantity])
         link = replace(link, gravity_compensation=other.gravity_compensation)
         filled.add(Quantity.GRAVITY_SETTINGS)
     whole = replace(
-        link,
-        visuals=_shapes(link.visuals, other.visuals),
-        collisions=_shapes(link.collisions, other.collisions),
+        link, visuals=_shapes(link.visuals, other.visuals), collisions=_shapes(link.collisions, other.collisions)
     )
     if whole != link:
         filled.add(Quantity.SHAPES)

@@ -6,13 +6,7 @@ from math import inf, isfinite, nan, tau
 import numpy as np
 from msgspec.structs import replace
 
-from stepbot.engines.observation import (
-    Observation,
-    ObservedActuator,
-    ObservedLink,
-    ObservedSensor,
-    ObservedShape,
-)
+from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
 from stepbot.formats.lowering.shapes import capsule_parts
 from stepbot.geometry.spatial import Pose, join_bounds
 from stepbot.robot.model import ActuatorKind, Mimic

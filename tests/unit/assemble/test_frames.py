@@ -176,10 +176,7 @@ def test_pasted_axis_snippets_work_on_one_component(tmp_path: Path, diagnostics:
     shop = _two([axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=2.9)], [])
     assert build(shop, tmp_path, _joint("{axis_of: base}"), diagnostics) is None
     (fault,) = diagnostics
-    assert fault.help == (
-        'origin: {axis_of: "base", radius: 3 mm}',
-        'origin: {axis_of: "base", radius: 2.9 mm}',
-    )
+    assert fault.help == ('origin: {axis_of: "base", radius: 3 mm}', 'origin: {axis_of: "base", radius: 2.9 mm}')
     _expect(built(shop, tmp_path, _joint(fault.help[1].removeprefix("origin: "))), (-10, 0, 0))
 
 
@@ -386,10 +383,7 @@ def test_named_frames(tmp_path: Path) -> None:
             "axis that link 'base' and link 'arm' share, of faces of \"base\", \"arm\": "
             "radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]",
         ),
-        (
-            "{axis_of: arm}",
-            'axis, of faces of "arm": radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]',
-        ),
+        ("{axis_of: arm}", 'axis, of faces of "arm": radius 8 mm, direction [0, 0, 1], at [20 mm, 0 mm, 0 mm]'),
         ("{component: arm}", 'the frame of component "arm"'),
         ("{center: arm, offset: {xyz: [1 mm, 0, 0]}}", 'the centre of the box around "arm"; moved by its offset'),
         ("{xyz: [1 mm, 0, 0]}", 'numbers, relative to "assembly"'),

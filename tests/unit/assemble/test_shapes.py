@@ -296,10 +296,7 @@ def test_contact_of_shape_part_link_and_defaults(tmp_path: Path) -> None:
     found, shapes = ReadDiagnostics(), "{type: sphere, radius: 1, contact: {rolling: 1 mm}}, {type: sphere, radius: 2}"
     listed = build(shop, tmp_path, text.replace("LINK", f"collision: [{shapes}]"), found)
     assert listed is not None
-    assert [one.surface for one in listed.root.collisions] == [
-        Surface(rolling=0.001),
-        Surface(0.1, restitution=0.2),
-    ]
+    assert [one.surface for one in listed.root.collisions] == [Surface(rolling=0.001), Surface(0.1, restitution=0.2)]
     (unused,) = (one for one in found if one.code == "SB608")
     assert unused.message == "link 'base': `contact` of its parts has no effect, because the link lists its shapes"
 

@@ -19,10 +19,7 @@ def fits(one: Node, two: Node) -> list[Fit]:
     return Survey(assembled(one, two), ALL_SOURCES).contacts.fits.get((1, 2), [])
 
 
-@pytest.mark.parametrize(
-    ("shaft", "engaged"),
-    [(8.0, 10e-3), (7.6, 10e-3), (7.4, 0.0), (8.1, 10e-3), (8.2, 0.0)],
-)
+@pytest.mark.parametrize(("shaft", "engaged"), [(8.0, 10e-3), (7.6, 10e-3), (7.4, 0.0), (8.1, 10e-3), (8.2, 0.0)])
 def test_shaft_in_a_bore(shaft: float, engaged: float) -> None:
     """A shaft 0.4 mm thinner than a bore of r 8 mm, or 0.1 mm thicker, is in it along the whole plate."""
     found = fits(part("plate", plate(8)), part("shaft", cylinder(shaft, 40), z=-15))

@@ -23,10 +23,7 @@ def test_links_in_a_row_on_one_axis_are_not_one() -> None:
     """The neck above a torso and the stand below it turn about one axis, 500 mm apart: two joints, three links."""
     found = inferred(*trunk())
     assert links(found) == [{"stand/foot"}, {"torso/ring", "torso/shell"}, {"neck/column", "neck/mount"}]
-    assert joints(found) == [
-        ("revolute", "neck/mount", "torso/shell"),
-        ("revolute", "stand/foot", "torso/shell"),
-    ]
+    assert joints(found) == [("revolute", "neck/mount", "torso/shell"), ("revolute", "stand/foot", "torso/shell")]
 
 
 def test_two_cheeks_on_one_pin_are_one_link() -> None:

@@ -344,9 +344,7 @@ def test_a_motor_that_is_held_turns_something() -> None:
 
 
 @pytest.mark.parametrize(
-    "solid",
-    [box(80, 64, 4), joined(box(60, 40, 4), box(4, 40, 60).at(-28, 0, 32))],
-    ids=["plate", "bracket"],
+    "solid", [box(80, 64, 4), joined(box(60, 40, 4), box(4, 40, 60).at(-28, 0, 32))], ids=["plate", "bracket"]
 )
 def test_sheets_named_after_a_motor_are_none(solid: Solid) -> None:
     """A plate and a bent sheet may be named after the servo that they hold."""

@@ -42,10 +42,7 @@ HINGE = DraftJoint(
 DRAFT = Draft(
     "test",
     "base",
-    (
-        DraftLink("base", (), Confidence(1.0), rest=True),
-        DraftLink("arm", ("arm",), Confidence(0.95, ("one part",))),
-    ),
+    (DraftLink("base", (), Confidence(1.0), rest=True), DraftLink("arm", ("arm",), Confidence(0.95, ("one part",)))),
     (HINGE,),
     without_density=("",),
 )

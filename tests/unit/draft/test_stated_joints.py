@@ -146,10 +146,7 @@ def test_link_that_no_pair_connects_is_held_by_the_base(tmp_path: Path) -> None:
 
 def test_occurrences_that_links_refer_to_count_before_names() -> None:
     """Links are bound to components by the usages in the file before names."""
-    links = (
-        KinematicLink("", (Occurrence("robot", "arm", 1),)),
-        KinematicLink("x", (Occurrence("robot", "base", 1),)),
-    )
+    links = (KinematicLink("", (Occurrence("robot", "arm", 1),)), KinematicLink("x", (Occurrence("robot", "base", 1),)))
     draft = drafted(replace(HINGE, placements=(ON_ARM, ON_BASE)), links=links, base=1)
     assert [(link.name, link.parts, link.rest) for link in draft.links] == [("x", (), True), ("arm", ("arm",), False)]
 

@@ -42,12 +42,7 @@ def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
 @pytest.mark.parametrize(
     ("spin", "engine", "why", "remedy"),
     [
-        (
-            Spin("left", 0.011, 8e-5, 0.001),
-            "mujoco",
-            "turned 1 % of what was asked for: its kv of 8e",
-            "gains: auto",
-        ),
+        (Spin("left", 0.011, 8e-5, 0.001), "mujoco", "turned 1 % of what was asked for: its kv of 8e", "gains: auto"),
         (Spin("left", 0.4, 0.02, 1.0), "mujoco", "turned 40 % of what was asked for, at its effort limit", "raise the"),
         (Spin("left", 0.4, 0.0, None), "pybullet", "wheel of 'left' turned 40 % of what was asked for", "brakes on"),
         (

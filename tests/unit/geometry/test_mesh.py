@@ -57,12 +57,7 @@ def test_names_may_have_any_letters() -> None:
 
 @pytest.mark.parametrize(
     ("vertices", "faces"),
-    [
-        ([(0, 0, np.nan)], []),
-        ([(0, 0, np.inf)], []),
-        ([(0, 0, 0)], [(0, 0, 1)]),
-        ([(0, 0, 0)], [(0, 0, -1)]),
-    ],
+    [([(0, 0, np.nan)], []), ([(0, 0, np.inf)], []), ([(0, 0, 0)], [(0, 0, 1)]), ([(0, 0, 0)], [(0, 0, -1)])],
 )
 def test_broken_meshes_are_refused(vertices: list[tuple[float, ...]], faces: list[tuple[int, ...]]) -> None:
     """Vertices must be finite, and faces must refer to vertices."""

@@ -30,10 +30,7 @@ def test_a_robot_of_single_freedoms_is_left_alone() -> None:
 
 def test_names_that_are_taken_are_not_taken_again() -> None:
     """A joint with the name of a new coordinate keeps its name."""
-    joints = (
-        Joint("hip", JointKind.BALL, "base", "leg"),
-        Joint("hip_yaw", JointKind.CONTINUOUS, "leg", "hip_pitch"),
-    )
+    joints = (Joint("hip", JointKind.BALL, "base", "leg"), Joint("hip_yaw", JointKind.CONTINUOUS, "leg", "hip_pitch"))
     robot = Robot("r", (Link("base"), Link("leg"), Link("hip_pitch")), joints)
     assert ball_coordinates(robot) == {"hip": ("hip_yaw_joint", "hip_pitch_joint", "hip_roll")}
     assert "hip_yaw" in unfolded(robot).joint_by_name

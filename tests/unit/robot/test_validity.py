@@ -77,10 +77,7 @@ BROKEN: dict[str, tuple[str, Robot]] = {
         "SB135",
         _pair(actuators=(Actuator("m", "j", ActuatorKind.MOTOR), Actuator("m", "j", ActuatorKind.MOTOR))),
     ),
-    "two visuals of one name": (
-        "SB135",
-        _pair(links=(SEEN, replace(SEEN, name="b")), meshes=(_mesh(0.1),)),
-    ),
+    "two visuals of one name": ("SB135", _pair(links=(SEEN, replace(SEEN, name="b")), meshes=(_mesh(0.1),))),
     "no such link": ("SB417", _pair(_hinge(child="c"))),
     "no such leader": ("SB417", _pair(_hinge(mimic=Mimic("k")))),
     "no such mesh": ("SB417", _pair(links=(SEEN, Link("b", SOLID)))),
@@ -100,10 +97,7 @@ BROKEN: dict[str, tuple[str, Robot]] = {
         "SB414",
         _pair(links=(Link("a", SOLID), Link("b", replace(SOLID, com=(0.0, 1e12, 0.0))))),
     ),
-    "vertex that single precision cannot hold": (
-        "SB414",
-        _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(1e39),)),
-    ),
+    "vertex that single precision cannot hold": ("SB414", _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(1e39),))),
     "effort that single precision cannot hold": ("SB414", _pair(_hinge(limit=Limit(-1, 1, 1, 1e100)))),
     "limit that is not a number": ("SB414", _pair(_hinge(limit=Limit(nan, 1)))),
     "axis of length two": ("SB415", _pair(_hinge(axis=(0, 0, 2)))),
@@ -264,9 +258,7 @@ SOUND: dict[str, Robot] = {
     "massless and fixed": _pair(_hinge(kind=JointKind.FIXED), links=(Link("a", SOLID), Link("b"))),
     "massless base that is fixed": _pair(links=(Link("a"), Link("b", SOLID))),
     "massless, moved together with mass": Robot(
-        "three",
-        (Link("a", SOLID), Link("b"), Link("c", SOLID)),
-        (_hinge(), Joint("k", JointKind.FIXED, "b", "c")),
+        "three", (Link("a", SOLID), Link("b"), Link("c", SOLID)), (_hinge(), Joint("k", JointKind.FIXED, "b", "c"))
     ),
     "twenty metres": _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(19.9),)),
     "closure along the axis": _pair(

@@ -74,10 +74,7 @@ def difference(new: str) -> list[str]:
         (Append(("links", "base", "parts"), "x"), ["-   base: {rest: true}", "+   base: {rest: true, parts: [x]}"]),
         (Put(("links", "jaw"), {"parts": ["moving side"]}), ["+   jaw: {parts: [moving side]}"]),
         (Remove(("links", "hand", "parts", 0)), ['-       - "hand"   # palm']),
-        (
-            Remove(("links", "forearm", "parts", 0)),
-            ["-" + FOREARM, "+" + FOREARM.replace("[forearm, ", "[")],
-        ),
+        (Remove(("links", "forearm", "parts", 0)), ["-" + FOREARM, "+" + FOREARM.replace("[forearm, ", "[")]),
         (Remove(("joints", "wrist", "limits")), ["-     limits: todo"]),
         (Put(("defaults", "density"), "1240 kg/m^3"), ["+ defaults: {density: 1240 kg/m^3}"]),
     ],

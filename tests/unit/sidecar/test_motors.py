@@ -263,11 +263,7 @@ def settings(sidecar) -> dict[str, float]:  # type: ignore[no-untyped-def]
 def test_keys_beside_the_motor_and_of_the_joint_take_precedence(tmp_path: Path) -> None:
     """Keys beside the motor and of the joint take precedence."""
     plain, _ = load(tmp_path, "{motor: STS3215-7.4V}")
-    assert settings(plain) == {
-        "effort": 1.912,
-        "velocity": 5.454,
-        **PASSIVE,
-    }
+    assert settings(plain) == {"effort": 1.912, "velocity": 5.454, **PASSIVE}
     assert plain.document.actuators["elbow"].kind is ActuatorKind.POSITION
     assert plain.document.actuators["elbow"].kp.value == 17.8
     more = ", limits: {velocity: 2}, dynamics: {armature: 0.05}"

@@ -195,10 +195,7 @@ def test_colour_without_quotes_in_braces() -> None:
     [
         ("material: pla\n", "move it to 'defaults': `defaults: {material: pla}`"),
         ("actuators: {m: {joint: elbow, type: position, kp: 10}}\n", "did you mean 'kind'?"),
-        (
-            "defaults: {collision: {merge: hull}}\n",
-            "one shape for a whole link: `collision: {merge: hull}` in `links`",
-        ),
+        ("defaults: {collision: {merge: hull}}\n", "one shape for a whole link: `collision: {merge: hull}` in `links`"),
     ],
 )
 def test_keys_at_home_elsewhere(added: str, help: str) -> None:

@@ -77,11 +77,7 @@ def test_lines_without_a_key_are_reported_one_by_one() -> None:
     ("text", "message", "remedy"),
     [
         ("links:\n  base {rest: true}\n", "link 'base': missing colon", "write `base: {rest: true}`"),
-        (
-            "links:\n  base:{rest: true}\n",
-            "link 'base': missing space after the colon",
-            "write `base: {rest: true}`",
-        ),
+        ("links:\n  base:{rest: true}\n", "link 'base': missing space after the colon", "write `base: {rest: true}`"),
         ("links:\n  'base {rest': 1\n", "", ""),
         ("links:\n  finger [ab]: 1\n", "", ""),
     ],

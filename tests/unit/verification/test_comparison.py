@@ -186,10 +186,7 @@ DIFFERENCES: dict[str, tuple[Change, set[Quantity]]] = {
         {Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS},
     ),
     "efforts of a motion": (_dynamics_off(1, inverse=1 + 1e-6), {Quantity.INVERSE_DYNAMICS}),
-    "box moved": (
-        on_link("base", visual_bounds=((-1.0, -1.0, 0.0), (1.0, 1.0, 1.0))),
-        {Quantity.MESHES},
-    ),
+    "box moved": (on_link("base", visual_bounds=((-1.0, -1.0, 0.0), (1.0, 1.0, 1.0))), {Quantity.MESHES}),
     "nothing to touch": (on_link("base", has_collisions=False, collision_bounds=None), {Quantity.MESHES}),
     "mesh missing": (lambda o: replace(o, missing_meshes=("base.obj",)), {Quantity.MESHES}),
     "frame missing": (lambda o: replace(o, frames={"camera": (o.frames or {})["camera"]}), {Quantity.FRAMES}),

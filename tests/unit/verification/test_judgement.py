@@ -65,8 +65,7 @@ def test_the_initial_position_of_a_joint_has_its_unit(kind: str | None, unit: st
 
 
 @pytest.mark.parametrize(
-    ("other", "is_same"),
-    [("0 0 1 0 0 0", True), ("0 0 0 0 0 1", True), ("0 0 0 0 0 2", False), ("0 0 1 0 0", False)],
+    ("other", "is_same"), [("0 0 1 0 0 0", True), ("0 0 0 0 0 1", True), ("0 0 0 0 0 2", False), ("0 0 1 0 0", False)]
 )
 def test_a_segment_has_no_direction(other: str, is_same: bool) -> None:
     """A capsule from one end to the other is the one from the other to the first."""

@@ -47,11 +47,7 @@ def test_companions_for_optional_engines_alone_are_not_reported(
 
 
 @pytest.mark.parametrize(
-    ("fates", "codes"),
-    [
-        ([Fate.ABSENT, Fate.UNREADABLE], ["SB815"]),
-        ([Fate.ABSENT, Fate.REFUSED], ["SB801"]),
-    ],
+    ("fates", "codes"), [([Fate.ABSENT, Fate.UNREADABLE], ["SB815"]), ([Fate.ABSENT, Fate.REFUSED], ["SB801"])]
 )
 def test_a_file_is_unread_unless_an_engine_refuses_it(fates: list[Fate], codes: list[str]) -> None:
     """That an engine rejects it is reported instead, and fails its check."""

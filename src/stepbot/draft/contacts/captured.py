@@ -50,10 +50,7 @@ class Captured(Struct, frozen=True, eq=False):
 
 
 def find_captured(
-    scene: Scene,
-    relations: dict[Pair, Relation],
-    larger: Collection[int],
-    cut: dict[str, None],
+    scene: Scene, relations: dict[Pair, Relation], larger: Collection[int], cut: dict[str, None]
 ) -> dict[Pair, Captured]:
     """Pairs of parts of which one is held in the other across a line, and free along it.
 

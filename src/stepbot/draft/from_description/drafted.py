@@ -6,16 +6,7 @@ from math import isfinite
 import numpy as np
 
 from stepbot.diagnostics import listed
-from stepbot.draft.draft import (
-    SURE,
-    Confidence,
-    Draft,
-    DraftClosure,
-    DraftJoint,
-    DraftLink,
-    OriginForm,
-    OriginSnippet,
-)
+from stepbot.draft.draft import SURE, Confidence, Draft, DraftClosure, DraftJoint, DraftLink, OriginForm, OriginSnippet
 from stepbot.draft.evidence.evidence import JointEvidence
 from stepbot.draft.from_description.assignment import Assignment, assign
 from stepbot.draft.from_description.lines import Lines, distinct

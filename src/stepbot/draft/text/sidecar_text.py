@@ -280,10 +280,7 @@ def _offered(offered: Iterable[Alternative]) -> list[str]:
     shown = distinct[:_OFFERED]
     if not shown:
         return []
-    lines = [
-        "",
-        "# Further axes, drafted as fixed. To use one, add a link for the moving parts and such a joint:",
-    ]
+    lines = ["", "# Further axes, drafted as fixed. To use one, add a link for the moving parts and such a joint:"]
     for one in shown:
         between, facts = f"{quoted(one.a)} and {quoted(one.b)}", "; ".join(one.confidence.evidence)
         lines += comment(f"  {one.type}, score {one.confidence.score:.2f}, of {between}: {facts}")

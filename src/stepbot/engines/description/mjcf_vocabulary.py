@@ -39,13 +39,7 @@ _SENSORS = {
     "framequat": f"{_TIMING} objtype objname",
     "*": "*",  # of other kinds, which are reported one by one
 }
-_DEFAULTS = {
-    **_IN_BODIES,
-    **_ACTUATORS,
-    "mesh": "scale inertia",
-    "material": "rgba",
-    "equality": "active",
-}
+_DEFAULTS = {**_IN_BODIES, **_ACTUATORS, "mesh": "scale inertia", "material": "rgba", "equality": "active"}
 del _DEFAULTS["*"]
 LED = "equality constraint of a mocap body"
 """By it programs lead a robot in a simulation: it closes no loop of the robot."""

@@ -67,13 +67,7 @@ _LINK = {
     "collision": "name",
     **paths("collision", {**_ORIGIN, **_GEOMETRY}),
 }
-_JOINT = {
-    "": "name type",
-    **_ORIGIN,
-    "parent": "link",
-    "child": "link",
-    "axis": "xyz",
-}
+_JOINT = {"": "name type", **_ORIGIN, "parent": "link", "child": "link", "axis": "xyz"}
 _DRIVEN = {
     **_JOINT,
     "limit": "lower upper effort velocity acceleration deceleration jerk",

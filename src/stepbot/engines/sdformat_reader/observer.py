@@ -85,9 +85,7 @@ def observe(request: Request) -> Observation:
         actuators=tuple(plugin_actuators(model)),
         sensors=(*model_sensors(model, frames), *plugin_sensors(model)),
         missing_meshes=tuple(missing),
-        not_run={
-            Quantity.SIMULATION: "a parser cannot simulate",
-        },
+        not_run={Quantity.SIMULATION: "a parser cannot simulate"},
         warnings=tuple(repeated_names(model)),
         notes=(NOTE,),
     )

@@ -111,10 +111,7 @@ def _link(link: Any) -> ObservedLink:
     X_LI = Pose() if inertial.origin is None else Pose.from_matrix(inertial.origin)
     inertia = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
     return replace(
-        bare,
-        mass=float(inertial.mass or 0.0),
-        com=X_LI.position,
-        inertia=matrix3(turn_inertia(X_LI.R, inertia)),
+        bare, mass=float(inertial.mass or 0.0), com=X_LI.position, inertia=matrix3(turn_inertia(X_LI.R, inertia))
     )
 
 

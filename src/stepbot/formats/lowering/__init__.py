@@ -13,18 +13,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot.model import (
-    Base,
-    Collision,
-    Joint,
-    JointDynamics,
-    JointKind,
-    Limit,
-    Link,
-    MeshFormat,
-    Robot,
-    Visual,
-)
+from stepbot.robot.model import Base, Collision, Joint, JointDynamics, JointKind, Limit, Link, MeshFormat, Robot, Visual
 from stepbot.robot.multi_dof import split
 from stepbot.robot.sensors import Sensor, SensorKind
 

@@ -85,7 +85,7 @@ EXPRESSES = {
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
     Feature.VELOCITY: lowered(
         "velocity limits are `<numeric>` data, which MuJoCo does not enforce; kv of a position actuator, up to effort "
-        "/ velocity limit, is damping that its force range does not cut off (in 3.3 only in loops and with mimics)",
+        "/ velocity limit, is damping that its force range does not cut off (in 3.3 only in loops and with mimics)"
     ),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
     Feature.SPRING: exact("`stiffness`, `springref`"),

@@ -6,18 +6,7 @@ cannot be changed inside of one. Their purpose is ``guide``, which renderers do 
 
 from stepbot.geometry.primitives import linear_from_srgb
 from stepbot.geometry.spatial import IDENTITY, Pose
-from stepbot.robot.model import (
-    Box,
-    Capsule,
-    Collision,
-    Cylinder,
-    Geometry,
-    MeshRef,
-    Rgba,
-    Robot,
-    Sphere,
-    Visual,
-)
+from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Rgba, Robot, Sphere, Visual
 from stepbot.robot.surfaces import Surface
 
 from ..lowering.shapes import concave_meshes, upright

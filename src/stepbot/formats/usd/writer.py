@@ -121,11 +121,14 @@ def tree(robot: Robot, meshes: MeshLayer) -> tuple[Prim, Library]:
     top.metadata.append('kind = "component"')
     drawn = initial_configuration(robot)
     X_RL, standing = link_poses(robot, drawn), Pose.of(position=(0.0, 0.0, standing_height(robot, drawn)))
+    filtered = _filtered(robot)
     for link in robot.links:
         prim = top.add(named("Xform", link.name, names, identifiers[link.name]))
         mark_link(prim, link.name)
         _body(prim, link)
-        _filter(prim, link, robot, paths)
+        if others := filtered.get(link.name):
+            prim.schemas.append("PhysicsFilteredPairsAPI")
+            prim.set("rel physics:filteredPairs", f"[{', '.join(f'<{paths[other]}>' for other in others)}]")
         place(prim, standing @ X_RL[link.name])
         _content(prim, link, robot, library)
     joined = []
@@ -157,17 +160,17 @@ def _body(prim: Prim, link: Link) -> None:
     prim.set("quatf physics:principalAxes", singles(Pose(axes).quaternion))
 
 
-def _filter(prim: Prim, link: Link, robot: Robot, paths: dict[str, str]) -> None:
-    """The links later in the file whose contacts with this one are excluded, unless a joint does."""
+def _filtered(robot: Robot) -> dict[str, list[str]]:
+    """For each link, those later in the file whose contacts with it are excluded, unless a joint does."""
     held = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
     held |= {frozenset((closure.link_a, closure.link_b)) for closure in robot.closures}
-    touching = [one.name for one in robot.links if one.collisions]
-    later = touching[touching.index(link.name) + 1 :] if link.collisions else []
-    pairs = without_contacts(robot) - held
-    others = [f"<{paths[other]}>" for other in later if frozenset((link.name, other)) in pairs]
-    if others:
-        prim.schemas.append("PhysicsFilteredPairsAPI")
-        prim.set("rel physics:filteredPairs", f"[{', '.join(others)}]")
+    place = {link.name: number for number, link in enumerate(robot.links) if link.collisions}
+    filtered: dict[str, list[str]] = {}
+    for pair in without_contacts(robot) - held:
+        if pair <= place.keys():
+            first, later = sorted(pair, key=place.__getitem__)
+            filtered.setdefault(first, []).append(later)
+    return {first: sorted(later, key=place.__getitem__) for first, later in filtered.items()}
 
 
 def _content(prim: Prim, link: Link, robot: Robot, library: Library) -> None:

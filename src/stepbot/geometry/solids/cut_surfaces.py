@@ -98,10 +98,7 @@ class CutSurface(Struct, frozen=True, eq=False):
         heights = plane.heights(self.points)
         sides = (heights > ON).astype(np.int8) - (heights < -ON).astype(np.int8)
         of_faces = np.stack([sides[self.faces[:, corner]] for corner in range(3)])
-        return (
-            self._above(plane, heights, sides, of_faces),
-            self._above(plane.reverse, -heights, -sides, -of_faces),
-        )
+        return (self._above(plane, heights, sides, of_faces), self._above(plane.reverse, -heights, -sides, -of_faces))
 
     def _above(self, plane: Plane, heights: Array, sides: Signs, of_faces: Signs) -> "CutSurface":
         points, faces = _clipped(self.points, self.faces, plane.normal, heights, sides, of_faces)

@@ -151,11 +151,9 @@ def _report(
 
 def _described(validation: Validation) -> str:
     """A validation property and the measured value, for messages."""
-    unit, factor = {
-        Quantity.VOLUME: ("cm^3", 1e6),
-        Quantity.AREA: ("cm^2", 1e4),
-        Quantity.CENTROID: ("mm", 1e3),
-    }[validation.quantity]
+    unit, factor = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}[
+        validation.quantity
+    ]
     stated, read = (
         ", ".join(f"{value * factor + 0.0:.6g}" for value in values) for values in (validation.stated, validation.read)
     )

@@ -9,13 +9,7 @@ from hypothesis import strategies as st
 
 from stepbot.geometry.fixed_point import merged_labels
 from stepbot.geometry.predicates import is_watertight
-from stepbot.step.shapes.stitching import (
-    EdgeUse,
-    FacetedFace,
-    Stitched,
-    merged_by_position,
-    stitched,
-)
+from stepbot.step.shapes.stitching import EdgeUse, FacetedFace, Stitched, merged_by_position, stitched
 
 SQUARE = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
 
