@@ -127,6 +127,17 @@ def test_a_lidar_with_millions_of_rays_is_not_written(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "r.xml").stat().st_size < 10_000
 
 
+def test_a_camera_without_pixels_is_not_written(tmp_path: Path) -> None:
+    """The vertical field of view in MJCF follows from the ratio of rows and columns."""
+    image = "<image><width>0</width><height>240</height></image>"
+    sensor = f"<sensor name='eye' type='camera'><camera><horizontal_fov>1</horizontal_fov>{image}</camera></sensor>"
+    text = f"<sdf version='1.9'><model name='r'><link name='a'>{_MASS}{sensor}</link></model></sdf>"
+    (tmp_path / "robot.sdf").write_text(text, encoding="utf-8")
+    conversion = convert(tmp_path / "robot.sdf", Options(tmp_path / "out", formats=("mjcf",), verify=False))
+    (message,) = [one.message for one in conversion.diagnostics if one.code == "SB863"]
+    assert message == "sensor 'eye': 0 x 240 pixels or rays: not converted"
+
+
 def test_places_of_deeply_nested_elements_are_bounded(tmp_path: Path) -> None:
     """Each place names those above it: together they must not grow with the square of the depth; all differ."""
     (tmp_path / "robot.xml").write_text("<mujoco>" + "<geom size='1'>" * 2000 + "</geom>" * 2000 + "</mujoco>")

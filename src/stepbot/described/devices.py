@@ -138,6 +138,10 @@ def sensors_of(
                 Finding(DEVICE, f"sensor '{one.name}' of type '{one.kind}': not converted", (Quantity.SENSORS,))
             )
             continue
+        if kind in SEEING and any(count is not None and count < 1 for count in (one.columns, one.rows)):
+            text = f"sensor '{one.name}': {one.columns} x {one.rows} pixels or rays: not converted"
+            findings.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
+            continue
         if kind is SensorKind.LIDAR and (one.columns or 0) > MOST_RAYS:
             text = f"sensor '{one.name}': {one.columns} rays, more than {MOST_RAYS}: not converted"
             findings.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
