@@ -56,36 +56,34 @@ def test_files_and_functions_stay_small() -> None:
     assert {file: size for file, size in sizes.items() if size > 400} == {}
 
 
-def test_names_state_what_they_hold() -> None:
+@pytest.fixture(scope="module")
+def nodes() -> list[tuple[str, ast.AST]]:
+    """All nodes of the modules, each with its file."""
+    files = [file for root in OURS for file in sorted((ROOT / root).rglob("*.py"))]
+    trees = [(str(file.relative_to(ROOT)), ast.parse(file.read_text(encoding="utf-8"))) for file in files]
+    return [(file, node) for file, tree in trees for node in ast.walk(tree)]
+
+
+@pytest.mark.slow
+def test_names_state_what_they_hold(nodes: list[tuple[str, ast.AST]]) -> None:
     """No variable is called `found`: a noun states what was found."""
-    named = [
-        f"{file.relative_to(ROOT)}:{node.lineno}"
-        for root in OURS
-        for file in (ROOT / root).rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if (isinstance(node, ast.Name) and node.id == "found") or (isinstance(node, ast.arg) and node.arg == "found")
-    ]
-    assert not named
+    names = [(file, node.lineno, node.id) for file, node in nodes if isinstance(node, ast.Name)]
+    names += [(file, node.lineno, node.arg) for file, node in nodes if isinstance(node, ast.arg)]
+    assert [f"{file}:{line}" for file, line, name in names if name == "found"] == []
 
 
-def test_docstrings_describe_parameters_that_exist() -> None:
+@pytest.mark.slow
+def test_docstrings_describe_parameters_that_exist(nodes: list[tuple[str, ast.AST]]) -> None:
     """Each name below ``Args:`` is a parameter of the function."""
-    functions = [
-        (file, node)
-        for root in OURS
-        for file in (ROOT / root).rglob("*.py")
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-    ]
     described = 0
-    for file, function in functions:
-        _, _, arguments = (ast.get_docstring(function) or "").partition("Args:\n")
-        stated = set(
-            re.findall(r"^    \*{0,2}(\w+): ", re.split(r"^\S", arguments, flags=re.MULTILINE)[0], re.MULTILINE)
-        )
-        known = {node.arg for node in ast.walk(function.args) if isinstance(node, ast.arg)}
-        described += len(stated)
-        assert stated <= known, f"{file.relative_to(ROOT)}:{function.lineno} {function.name}: {sorted(stated - known)}"
+    for file, node in nodes:
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            _, _, arguments = (ast.get_docstring(node) or "").partition("Args:\n")
+            section = re.split(r"^\S", arguments, flags=re.MULTILINE)[0]
+            stated = set(re.findall(r"^    \*{0,2}(\w+): ", section, re.MULTILINE))
+            known = {one.arg for one in ast.walk(node.args) if isinstance(one, ast.arg)}
+            assert stated <= known, f"{file}:{node.lineno} {node.name}: {sorted(stated - known)}"
+            described += len(stated)
     assert described > 500
 
 

@@ -61,9 +61,9 @@ class MeshAssets:
 
         Returns the whole mesh if ``colour`` overrides the STEP's colours or if all faces have the same colour.
         """
-        read_body = self._assembly.bodies[body]
+        solid = self._assembly.bodies[body]
         plain = component.color or default
-        colors = [overruled or color or plain for color in read_body.colors]
+        colors = [overruled or color or plain for color in solid.colors]
         groups: dict[Rgba, list[int]] = {}
         for index in self._used_colors(body):
             groups.setdefault(colors[index] if colors else overruled or plain, []).append(index)
@@ -115,8 +115,8 @@ class MeshAssets:
     def _group(self, body: int, indices: tuple[int, ...]) -> MeshRef:
         key = ("group", body, indices)
         if key not in self._made:
-            read_body = self._assembly.bodies[body]
-            piece = read_body.mesh.subset(np.isin(read_body.face_colors, indices))
+            solid = self._assembly.bodies[body]
+            piece = solid.mesh.subset(np.isin(solid.face_colors, indices))
             self._made[key] = self._named(f"{self._bases[body]}_color{indices[0] + 1}", piece, self._source(body))
         return self._reference(key)
 

@@ -108,9 +108,9 @@ def survey(
     swept = tuple(place.sweep(motor) for motor in place.servos)
     sweeps = tuple(move for move, _ in swept)
     ranges = tuple(
-        swept_ranges
+        swept_range
         for motor, (move, stops) in zip(place.servos, swept, strict=True)
-        for swept_ranges in _range(motor, move, stops)
+        for swept_range in _range(motor, move, stops)
     )
     shares = [one.share for one in ranges]
     tried: dict[tuple[Fingers, Cube | None], Grasp | str] = {}
@@ -123,11 +123,11 @@ def survey(
         steps=tuple(move for motor in place.servos for move in place.step(motor)),
         sweeps=sweeps,
         covered=float(np.mean(shares)) if shares else 1.0,
-        grasps=tuple(swept_ranges for swept_ranges in tried.values() if not isinstance(swept_ranges, str)),
+        grasps=tuple(grasp for grasp in tried.values() if not isinstance(grasp, str)),
         misses={
-            f"{pair.motors[0]}, {given}" if given else pair.motors[0]: swept_ranges
-            for (pair, given), swept_ranges in tried.items()
-            if isinstance(swept_ranges, str)
+            f"{pair.motors[0]}, {given}" if given else pair.motors[0]: reason
+            for (pair, given), reason in tried.items()
+            if isinstance(reason, str)
         },
         ranges=ranges,
         overlaps=overlaps,

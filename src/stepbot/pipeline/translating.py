@@ -165,14 +165,10 @@ def _robot(
         diagnostics.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     described = _with_possible_masses(described, options)
     lacking_inertia = () if options.assume_inertia else description.without_inertia
-    places = Places(path, description)
     without_inertia = [link for link in lacking_inertia if link not in replaced]
-    for link in without_inertia:
-        text = f"link '{link}': <inertial> has a mass and no <inertia>"
-        help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"]
-        diagnostics.add(UNSUPPORTED, text, places.of(text), help=help)
-    for one in described.findings:
-        diagnostics.add(one.code, one.text, places.of(one.text), help=one.help)
+    places = Places(path, description)
+    for finding in (*map(_without_inertia, without_inertia), *described.findings):
+        diagnostics.add(finding.code, finding.text, places.of(finding.text), help=finding.help)
     computed = {finding.text.split("'")[1] for finding in described.findings if finding.code == ASSUMED}
     known = computed | described.surroundings | set(replaced)
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in known)
@@ -209,6 +205,11 @@ def _robot(
     diagnostics.raise_if_errors()
     robot = _tuned(described.robot, span, diagnostics)
     return robot, replace(described, robot=robot)
+
+
+def _without_inertia(link: str) -> Finding:
+    remedy = "state it, or `--assume-inertia DENSITY` computes it from the geometry"
+    return Finding(UNSUPPORTED, f"link '{link}': <inertial> has a mass and no <inertia>", help=(remedy,))
 
 
 def _with_possible_masses(described: DescribedRobot, options: Options) -> DescribedRobot:

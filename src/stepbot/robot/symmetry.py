@@ -66,13 +66,11 @@ def mirrored(robot: Robot, axis: str) -> Symmetry:
     Args:
         axis: Normal of the plane in the frame of the root link: x, y or z.
     """
-    k, parts_of_robot = AXES.index(axis), tuple(parts(robot))
-    if not parts_of_robot:
+    k, pieces = AXES.index(axis), tuple(parts(robot))
+    if not pieces:
         return Symmetry((), (), 0.0, _offset(robot, k))
-    size = float(
-        np.linalg.norm(np.max([one.high for one in parts_of_robot], 0) - np.min([one.low for one in parts_of_robot], 0))
-    )
-    near, left, twins, alone = _NEAR * size, list(parts_of_robot), list[Twins](), list[Part]()
+    size = float(np.linalg.norm(np.max([one.high for one in pieces], 0) - np.min([one.low for one in pieces], 0)))
+    near, left, twins, alone = _NEAR * size, list(pieces), list[Twins](), list[Part]()
     while left:
         one = left.pop(0)
         low, high = one.low.copy(), one.high.copy()

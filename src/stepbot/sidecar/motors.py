@@ -173,7 +173,7 @@ def default_kind(motor: MotorSection, joint: JointKind) -> ActuatorKind:
     return ActuatorKind.VELOCITY if turns and motor.kind is not MotorKind.STEPPER else ActuatorKind.POSITION
 
 
-def fitted(ratings: NamedMotor, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
+def fitted(named: NamedMotor, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
     """What a motor gives an actuator.
 
     Args:
@@ -184,7 +184,7 @@ def fitted(ratings: NamedMotor, joint: JointKind, voltage: float | None, gear: f
     Raises:
         UnscalableMotor: It has no figures for this supply, or does not move such a joint.
     """
-    name, motor = ratings
+    name, motor = named
     linear, slides = motor.kind is MotorKind.LINEAR, joint is JointKind.PRISMATIC
     if linear and not slides:
         raise UnscalableMotor(f"'{name}' is a linear drive, and the joint turns")

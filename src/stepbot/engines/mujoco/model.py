@@ -98,7 +98,7 @@ def _followers(compiled: NamedModel, factors: Mapping[int, float], equality: int
     if model.eq_type[equality] == int(compiled.engine.mjtEq.mjEQ_JOINT):
         return [int(model.eq_obj1id[equality])]
     driven = {int(one) for one in model.actuator_trnid[model.actuator_trntype == 0, 0]}
-    return sorted((one for one in factors if factors[one]), key=lambda factor: (factor in driven, -factor))
+    return sorted((number for number in factors if factors[number]), key=lambda number: (number in driven, -number))
 
 
 def _of_joints(compiled: NamedModel, equality: int) -> tuple[dict[int, float], float]:

@@ -112,7 +112,7 @@ def connections(stage: Stage) -> list[Connection]:
     """
     from pxr import UsdPhysics
 
-    connections_read = []
+    connected = []
     for prim in stage.prims():
         if not prim.IsA(UsdPhysics.Joint) or not UsdPhysics.Joint(prim).GetJointEnabledAttr().Get():
             continue
@@ -125,8 +125,8 @@ def connections(stage: Stage) -> list[Connection]:
             kind = JointKind.CONTINUOUS.value
         closes = bool(joint.GetExcludeFromArticulationAttr().Get())
         bodies, frames = zip(*ends, strict=True)
-        connections_read.append(Connection(prim, kind, bodies, frames, closes))
-    return connections_read
+        connected.append(Connection(prim, kind, bodies, frames, closes))
+    return connected
 
 
 def _end(stage: Stage, joint: Any, number: int) -> tuple[Body | None, Pose]:

@@ -33,13 +33,13 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
     """
     body, moving = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
     last = {body[link.name]: link.name for link in robot.links}  # parents come before their children
-    chains_of_tips = []
+    to_tips = []
     for along in _with_few_before(_unbranched(robot, moving), body):
         tip = last[along[-1].child]
         independent = tuple(joint for joint in along if joint.mimic is None)
         if independent and not _is_free(along):
-            chains_of_tips.append(Chain(tip, along[0].parent, tip, independent))
-    return tuple(chains_of_tips)
+            to_tips.append(Chain(tip, along[0].parent, tip, independent))
+    return tuple(to_tips)
 
 
 def _unbranched(robot: Robot, moving: Mapping[str, Sequence[Joint]]) -> list[list[Joint]]:

@@ -164,13 +164,13 @@ def _filtered(robot: Robot) -> dict[str, list[str]]:
     """For each link, those later in the file whose contacts with it are excluded, unless a joint does."""
     held = {frozenset((joint.parent, joint.child)) for joint in robot.joints}
     held |= {frozenset((closure.link_a, closure.link_b)) for closure in robot.closures}
-    place = {link.name: number for number, link in enumerate(robot.links) if link.collisions}
+    position = {link.name: number for number, link in enumerate(robot.links) if link.collisions}
     filtered: dict[str, list[str]] = {}
     for pair in without_contacts(robot) - held:
-        if pair <= place.keys():
-            first, later = sorted(pair, key=place.__getitem__)
+        if pair <= position.keys():
+            first, later = sorted(pair, key=position.__getitem__)
             filtered.setdefault(first, []).append(later)
-    return {first: sorted(later, key=place.__getitem__) for first, later in filtered.items()}
+    return {first: sorted(later, key=position.__getitem__) for first, later in filtered.items()}
 
 
 def _content(prim: Prim, link: Link, robot: Robot, library: Library) -> None:

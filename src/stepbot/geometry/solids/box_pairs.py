@@ -47,9 +47,9 @@ def box_pairs(low: Array, high: Array, depth: float = 0.0) -> tuple[NDArray[np.i
             meet = (low[second, one] < high[first, one]) & (low[first, one] < high[second, one])
             first, second = first[meet], second[meet]
         pairs.append(np.column_stack([order[first], order[second]]))
-    sorted_pairs = np.sort(np.concatenate(pairs), axis=1)
-    sorted_pairs = sorted_pairs[np.lexsort((sorted_pairs[:, 1], sorted_pairs[:, 0]))]
-    return sorted_pairs[:, 0], sorted_pairs[:, 1]
+    rows = np.sort(np.concatenate(pairs), axis=1)
+    rows = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
+    return rows[:, 0], rows[:, 1]
 
 
 def _behind(low: Array, high: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

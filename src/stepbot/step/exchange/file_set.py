@@ -100,9 +100,9 @@ def _walk(
     pending = [(step, PurePosixPath(step.name))]
     while pending:
         path, name = pending.pop(0)
-        links, found_references = [], references(path, name)
-        taken = {path.name, *(reading for reference in found_references for reading in reference.readings)}
-        for reference in found_references:
+        links, targets = [], references(path, name)
+        taken = {path.name, *(reading for reference in targets for reading in reference.readings)}
+        for reference in targets:
             target = _resolve(reference, name.parent, step.parent, folder, taken)
             if isinstance(target, tuple):
                 fault, help = target
