@@ -2,18 +2,21 @@
 
 import ast
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from tests.conftest import ROOT
 
 from . import page
-from .reach import FOLDER, Reach
-from .source import ROOMS, Outcome, drawn, section
-from .source_changes import changes
+from .reach import FOLDER, Place, Reach, marked
+from .source import ROOMS, Outcome, drawn, section, selected
+from .source_changes import Change, changes
 
 _SOURCE = b'''"""A module of 1 line."""
 LIMIT: int = 3
@@ -23,7 +26,7 @@ def f(x: float, found: list[str]) -> bool:
     """The 2 cases."""
     assert x > 0, "a number"
     if x < LIMIT and not found:
-        found.append(f"{x + 1}")
+        found.extend(f"{x + 1}" for _ in zip(found, found, strict=True))
         return x * 2.0 == -x
     raise ValueError(x + 1)
 '''
@@ -38,7 +41,7 @@ def test_every_change_of_a_module() -> None:
         (8, "<", "<="),
         (8, "and", "or"),
         (8, "not", ""),
-        (9, 'found.append(f"{x + 1}")', "..."),
+        (9, 'found.extend(f"{x + 1}" for _ in zip(found, found, strict=True))', "..."),
         (10, "x * 2.0 == -x", "None"),
         (10, "*", "/"),
         (10, "2.0", "4.0"),
@@ -68,26 +71,43 @@ def test_changes_are_drawn_alike() -> None:
     assert {change.path.split("/")[2] for change in some} <= {*ROOMS}
 
 
+_REACHED = '''"""A module."""
+LIMIT = 3
+
+
+def is_small(x: int, least: int = 0) -> bool:
+    """Whether x is small."""
+    if x < LIMIT:
+        return x >= least
+    return False
+
+
+def other() -> None:
+    """What no test calls."""
+    is_small(1)
+'''
 _TESTS = """
-import os, time
-from stepbot.geometry.fixed_point import exact_sum
+import os, subprocess, sys
+from stepbot.module import is_small
 
-def test_slow():
-    time.sleep(0.3)
-    assert exact_sum([1.0]) == 1.0
+def test_small():
+    assert is_small(1)
 
-def test_fast():
-    assert exact_sum([1.0]) == 1.0
+def test_large():
+    assert not is_small(5)
 
 def test_in_a_forked_process():
     child = os.fork()
     if not child:
-        exact_sum([1.0])
+        is_small(1)
         os._exit(0)
     assert os.waitpid(child, 0)[1] == 0
 
+def test_in_another_process():
+    subprocess.run([sys.executable, "-c", "from stepbot.module import is_small; is_small(2)"], check=True)
+
 def test_that_fails():
-    assert exact_sum([1.0]) == 2.0
+    assert is_small(5)
 
 def test_of_something_else():
     pass
@@ -96,23 +116,65 @@ def test_of_something_else():
 
 @pytest.mark.slow
 def test_tests_that_reach_a_line(tmp_path: Path) -> None:
-    """The fastest first, also from a forked process; not those that fail, nor those that do not call it."""
-    (tmp_path / "records").mkdir()
-    (tmp_path / "test_sums.py").write_text(_TESTS, encoding="utf-8")
-    environment = {**os.environ, FOLDER: str(tmp_path / "records")}
+    """Also from other processes; not those that fail, nor those that take another branch."""
+    source, records = tmp_path / "src", tmp_path / "records"
+    for folder in (source / "stepbot", records):
+        folder.mkdir(parents=True)
+    (source / "stepbot" / "__init__.py").touch()
+    (source / "stepbot" / "module.py").write_text(_REACHED, encoding="utf-8")
+    (tmp_path / "test_module.py").write_text(_TESTS, encoding="utf-8")
+    marked(source, records)
+    environment = {**os.environ, FOLDER: str(records), "PYTHONPATH": f"{source}{os.pathsep}{ROOT}"}
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "tests.mutation.reach", str(tmp_path)]
-    assert subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=False).returncode == 1
-    reach, path = Reach.read(tmp_path / "records"), "stepbot/geometry/fixed_point.py"
-    source = (ROOT / "src" / path).read_bytes()
-    lines = source.decode().splitlines()
-    inside, other = (
-        lines.index(text) + 1 for text in ("        return fsum(numbers)", "    return order[begins], kinds")
+    assert subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=False).returncode == 1
+    reach = Reach.read(records)
+
+    def tests(line: int) -> set[str]:
+        found = reach.tests("stepbot/module.py", line, _REACHED.encode())
+        return {name.partition("::test_")[2] for name in found}
+
+    small = {"small", "in_a_forked_process", "in_another_process"}
+    assert tests(8) == small
+    assert tests(9) == {"large"}
+    assert tests(7) == tests(5) == tests(2) == small | {"large"}, (
+        "the condition, the head, and the constant that it reads"
     )
-    found = [name.partition("::")[2] for name in reach.tests(path, inside, source)]
-    assert set(found) == {"test_fast", "test_in_a_forked_process", "test_slow"}
-    assert found[-1] == "test_slow"
-    assert not reach.tests(path, other, source)
-    assert len(reach.tests(path, 1, source)) == 3, "what runs on import is reached by all that reach the file"
+    assert not tests(14)
+
+
+@pytest.mark.slow
+def test_marked_source_is_python(tmp_path: Path) -> None:
+    """All of stepbot, marked, compiles; each line of a function is in one of its places."""
+    shutil.copytree(ROOT / "src" / "stepbot" / "robot", tmp_path / "stepbot" / "robot")
+    marked(tmp_path, tmp_path)
+    for path in sorted(tmp_path.rglob("*.py")):
+        compile(path.read_bytes(), path, "exec", dont_inherit=True)
+
+
+def test_tests_of_the_room_come_first_and_recorded_results_last() -> None:
+    """Those that run little else before others, one case of each test before further ones, each kind up to a limit."""
+    place = Place("stepbot/robot/closures.py", 1, 1, 10**6, ())
+    seconds = {
+        "tests/unit/robot/test_a.py::test_cases[1]": 1.0,
+        "tests/unit/robot/test_a.py::test_cases[2]": 1.0,
+        "tests/unit/robot/test_b.py::test_narrow": 1.0,
+        "tests/unit/robot/test_b.py::test_long": 1000.0,
+        "tests/cli/test_c.py::test_command": 1.0,
+        "tests/recorded/test_recorded.py::test_result[a]": 5.0,
+        "tests/recorded/test_recorded.py::test_result[b]": 4.0,
+        "tests/recorded/test_recorded.py::test_result[c]": 1000.0,
+    }
+    bits = {name: np.array([0x80 if "narrow" in name else 0xC0], dtype=np.uint8) for name in seconds}
+    change = Change("src/stepbot/robot/closures.py", 0, 0, "", 5, "")
+    found = selected(change, ROOT, Reach(seconds, [place, replace(place, path="stepbot/other.py")], bits))
+    assert [name.partition("::test_")[2] for name in found] == [
+        "narrow",
+        "cases[1]",
+        "cases[2]",
+        "command",
+        "result[b]",
+        "result[a]",
+    ]
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ from msgspec.structs import replace
 
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
 from stepbot.robot.multi_dof import ball_coordinates, split, steps_by_child, unfolded
+from stepbot.robot.sensors import Sensor, SensorKind
 from tests.mechanisms import MECHANISMS
 from tests.robots import two_link_arm
 
@@ -60,3 +61,25 @@ def test_a_screw_without_pitch_does_not_advance() -> None:
         f"{joint.name}_slide"
     ]
     assert (slide.limit.lower, slide.limit.upper) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_sensors_of_an_unfolded_joint(name: str) -> None:
+    """An encoder becomes one for each independent step; a force-torque sensor stays above the same link."""
+    robot = MECHANISMS[name]()
+    joint = robot.joints[0]
+    encoder, wrench = (
+        Sensor(kind.value, kind, joint.child, joint=joint.name) for kind in (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
+    )
+    flat = unfolded(replace(robot, sensors=(encoder, wrench)))
+    above = {one.child: one for one in flat.joints}
+    steps = [above[joint.child]]
+    while steps[0].parent != joint.parent:
+        steps.insert(0, above[steps[0].parent])
+    independent = [step for step in steps if step.mimic is None]
+    *encoders, last = flat.sensors
+    assert [(one.kind, one.joint, one.link) for one in encoders] == [
+        (SensorKind.JOINT, step.name, step.child) for step in independent
+    ]
+    assert len({one.name for one in flat.sensors}) == len(independent) + 1
+    assert last == replace(wrench, joint=steps[-1].name)
