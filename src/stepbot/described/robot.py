@@ -204,11 +204,13 @@ class DescribedRobot(Struct, frozen=True):
 
 
 def _unread_mesh(uri: str) -> Finding:
-    text = f"mesh '{uri}' is missing or of an unsupported type"
-    if "$(" not in uri and "${" not in uri:
-        return Finding(UNSUPPORTED, text)
-    expand = "name the file .xacro, and pass its arguments with `--xacro NAME:=VALUE`"
-    return Finding(UNSUPPORTED, text, help=(f"the name has a substitution of xacro: {expand}",))
+    remedy = "put it where the file names it, as STL, OBJ, PLY, Collada or glTF"
+    if "$(" in uri or "${" in uri:
+        expand = "name the file .xacro, and pass its arguments with `--xacro NAME:=VALUE`"
+        remedy = f"the name has a substitution of xacro: {expand}"
+    elif "://" in uri:
+        remedy = "name the folder of the package: `--package-path DIR`; the mesh must be STL, OBJ, PLY, Collada or glTF"
+    return Finding(UNSUPPORTED, f"mesh '{uri}' is missing or of an unsupported type", help=(remedy,))
 
 
 def robot_of_description(

@@ -9,6 +9,7 @@ from typing import Any
 
 from msgspec import Struct
 
+from stepbot.diagnostics import did_you_mean
 from stepbot.engines.simulation import SHAPES, Cube
 
 UNITS: Mapping[str, str] = {
@@ -184,7 +185,8 @@ def demands(content: Mapping[str, Any] | None) -> Demands:
             raise InvalidLimits(f"limits: no test '{test}'; there are {', '.join(LIMITS)}")
         for quantity, bound in bounds.items():
             if quantity not in UNITS:
-                raise InvalidLimits(f"limits: {test}: no quantity '{quantity}'")
+                nearest = " ".join(did_you_mean(quantity, UNITS)) or f"there are {', '.join(UNITS)}"
+                raise InvalidLimits(f"limits: {test}: no quantity '{quantity}'; {nearest}")
             if not (isinstance(bound, list) and len(bound) == 2 and _is_number(bound[0]) and str(bound[1]).strip()):
                 raise InvalidLimits(f'limits: {test}: {quantity}: expected [number, "reason"]')
             limits[test][quantity] = Bound(float(bound[0]), str(bound[1]))

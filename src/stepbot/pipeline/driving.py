@@ -23,6 +23,11 @@ from stepbot.verification.admission import located
 from .conversion import REPORT, Options
 from .sidecars import SIDECAR_SUFFIXES, report_missing
 
+_LIMITS_FILE = (
+    'a file of limits is `{"drive": {"limits": {"step": {"overshoot": [15, "reason"]}}}}`; '
+    "beside `limits`: `tests`, `cube` [kg], `objects`"
+)
+
 
 class DriveOptions(Struct, frozen=True):
     """How to drive a robot."""
@@ -79,9 +84,9 @@ def read_demands(path: Path | None, diagnostics: Diagnostics) -> Demands | None:
             raise InvalidLimits("the file is not an object")
         return demands(content.get("drive"))
     except OSError as error:
-        diagnostics.add("SB833", f"cannot be read: {error.strerror or error}", span)
+        diagnostics.add("SB833", f"cannot be read: {error.strerror or error}", span, help=[_LIMITS_FILE])
     except ValueError as error:  # JSON, encoding or content
-        diagnostics.add("SB833", str(error), span)
+        diagnostics.add("SB833", str(error), span, help=[_LIMITS_FILE])
     return None
 
 

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Iterator
 from fnmatch import fnmatchcase
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
-from stepbot.robot.mesh_names import is_device, portable_name
+from stepbot.robot.mesh_names import is_device, portable_name, valid_name
 from stepbot.robot.sensors import SensorKind
 
 from .component_paths import origins
@@ -209,6 +209,12 @@ def check_names(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
         if (portable := portable_name(name, kind)) != name:
             diagnostics.add("SB129", f"{what}: {not_portable(name)}", place, help=[f"rename it to '{portable}'"])
 
+    def report_reserved(name: str, what: str, reason: str, place: Span) -> None:
+        kind, _, _ = what.partition(" ")
+        free = valid_name(name, kind)
+        help = [f"rename it, for example to '{free if free != name else f'{name}_{kind}'}'"]
+        diagnostics.add("SB126", f"{what}: {reason}", place, help=help)
+
     first: dict[str, Named] = {}
     for section, name in _names(sidecar.document, _SHARED):
         if name in first:
@@ -227,7 +233,7 @@ def check_names(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
                 diagnostics.add("SB135", message, sidecar.key_span("modules", name), help=help)
         for key, text in ((("modules", name), name), (("modules", name, "prefix"), module.prefix or "")):
             if reason := _reserved("modules", text):
-                diagnostics.add("SB126", f"{subject(key)}: {reason}", sidecar.key_span(*key))
+                report_reserved(text, subject(key), reason, sidecar.key_span(*key))
             elif text:
                 report_unportable(text, "module", f"{subject(key)}: '{text}'", sidecar.key_span(*key))
         for section, names in module.rename.items():
@@ -236,12 +242,12 @@ def check_names(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
                 report_unportable(new, section.removesuffix("s"), f"{subject(keys)}: '{new}'", sidecar.span(*keys))
     robot = sidecar.document.robot
     if reason := _not_a_file(robot):
-        diagnostics.add("SB126", f"robot: {reason}", sidecar.span("robot"))
+        report_reserved(robot, "robot", reason, sidecar.span("robot"))
     else:
         report_unportable(robot, "robot", f"robot '{robot}'", sidecar.span("robot"))
     for section, name in _names(sidecar.document):
         if reason := _reserved(section, name):
-            diagnostics.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
+            report_reserved(name, subject((section, name)), reason, sidecar.key_span(section, name))
         else:
             place = sidecar.key_span(section, name)
             report_unportable(name, section.removesuffix("s"), subject((section, name)), place)
