@@ -64,7 +64,7 @@ def _short(text: str) -> str:
 
 
 def changes(path: str, source: bytes) -> list[Change]:
-    """All changes of a file, in order. Annotations, assertions (``strict`` is one), messages and docstrings stay."""
+    """All changes of a file, in order. Annotations, messages and assertions stay: ``strict`` and ``frozen``, too."""
     lines = [0]
     for line in source.splitlines(keepends=True):
         lines.append(lines[-1] + len(line))
@@ -120,7 +120,7 @@ def _judged(node: ast.AST) -> Iterator[ast.AST]:
         return
     if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
         return
-    if isinstance(node, ast.keyword) and node.arg == "strict":
+    if isinstance(node, ast.keyword) and node.arg in ("frozen", "strict"):
         return
     yield node
     for name, value in ast.iter_fields(node):

@@ -38,7 +38,7 @@ _LARGE = ("delta", "stewart")
 _PAIRS = ("urdf", "mjcf"), ("mjcf", "sdf"), ("sdf", "urdf"), ("mjcf", "mjcf")
 
 
-def _changed(value: Any) -> Iterator[tuple[str, Any]]:
+def changed(value: Any) -> Iterator[tuple[str, Any]]:
     """Where something in a value is changed, and the value with that change alone."""
     if isinstance(value, bool):
         yield "", not value
@@ -53,17 +53,17 @@ def _changed(value: Any) -> Iterator[tuple[str, Any]]:
             yield "", other
     elif isinstance(value, tuple | list):
         for n, one in enumerate(value):
-            for at, other in _changed(one):
+            for at, other in changed(one):
                 yield f"[{n}]{at}", type(value)((*value[:n], other, *value[n + 1 :]))
         if value and isinstance(value[-1], Struct) and len(set(map(type, value))) == 1:
             yield "[last]", value[:-1]
     elif isinstance(value, dict):
         for key, one in value.items():
-            for at, other in _changed(one):
+            for at, other in changed(one):
                 yield f"[{key}]{at}", {**value, key: other}
     elif isinstance(value, Struct):
         for field in fields(value):
-            for at, other in _changed(getattr(value, field.name)) if field.name not in _REFERENCES else ():
+            for at, other in changed(getattr(value, field.name)) if field.name not in _REFERENCES else ():
                 yield f".{field.name}{at}", replace(value, **{field.name: other})
             if "None" in str(field.type) and getattr(value, field.name) is not None:
                 yield f".{field.name} gone", replace(value, **{field.name: None})
@@ -91,8 +91,8 @@ def _in_memory(build: Callable[[], Robot], noise: float) -> dict[str, object]:
     found = dict[str, object]()
     for ours, theirs in _PAIRS:
         a, b = _seen(robot, ours), _seen(robot, theirs)
-        changed = list(_changed(b))
-        some = random.sample(changed, min(_MOST, len(changed)))
+        cases = list(changed(b))
+        some = random.sample(cases, min(_MOST, len(cases)))
         found[f"{ours}-{theirs}"] = _differences(a, b), {at: _differences(a, other) for at, other in some}
     return found
 

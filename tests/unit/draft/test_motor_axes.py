@@ -1,8 +1,14 @@
 """Outputs of motors: the axis of a horn, and unnamed parts that turn on a case."""
 
+import numpy as np
+import pytest
+
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.motor_outputs import OutputAxes, hidden_outputs
 from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.near_outputs import NearOutput
+from stepbot.draft.parts.axis import Axis
 from tests.assembled import Node, assembled, group, inferred, joints, links, part
 from tests.made.kit import drilled
 from tests.solids import box, cylinder
@@ -37,6 +43,20 @@ def test_axis_is_that_of_the_horn() -> None:
     assert output is not None
     assert output.axis.distance(found.parts[3].com) < 1e-9
     assert abs(output.reach - 8e-3) < 1e-9
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+@pytest.mark.parametrize(("gap", "turns"), [(3.9, True), (4.1, False)])
+def test_what_is_next_to_an_end_of_the_output_turns(gap: float, turns: bool, way: float, side: int) -> None:
+    """A hub up to 4 mm from either end of the output, whichever way its axis is taken; of two the nearer one."""
+    servo = cylinder(3, 30).at(0, 0, -15) + box(10, 40, 8).at(0, 20, 0)
+    hubs = [part(name, cylinder(8, 6).at(0, 0, -3), z=side * (18 + off)) for name, off in (("far", 9), ("near", gap))]
+    found = Survey(assembled(part("servo", servo), *hubs), ALL_SOURCES)
+    axis, evidence = Axis(np.zeros(3), np.array([0.0, 0.0, way])), Evidence()
+    hinge = NearOutput(found, Motor("servo", (1,), 1), axis, (1,), evidence).hinge(set())
+    assert (hinge is not None) is turns
+    assert [(one.a, one.b) for one in evidence.welds] == [(1, 3)] * turns
 
 
 def test_what_is_on_the_shaft_of_a_servo_that_nothing_holds_turns() -> None:

@@ -56,6 +56,19 @@ def test_a_joint_is_repeated_on_its_own_side() -> None:
     assert [(h.a, h.b) for h in found] == [(3, 4)]
 
 
+@pytest.mark.parametrize(("off", "count"), [(0.0, 1), (0.3, 1), (3.0, 0)])
+def test_a_joint_is_repeated_where_an_equal_part_is_on_the_same_body(off: float, count: int) -> None:
+    """A leg turns on its pin of the body as its twin does, also if drawn 0.3 mm off; not beside the pin."""
+    body = box(200, 40, 20) + cylinder(4, 20).at(-60, 0, 10) + cylinder(4, 20).at(60, 0, 10)
+    leg = box(20, 90, 8) - cylinder(4.05, 8).at(0, 0, -4)
+    legs = [part(f"leg {n}", leg, x + off * n, 0, 18) for n, x in enumerate((-60.0, 60.0))]
+    survey = Survey(assembled(part("body", body), *legs), ALL_SOURCES)
+    axis = Axis(np.array([-0.06, 0.0, 0.018]), np.array([0.0, 0.0, 1.0]))
+    known = JointEvidence(0.9, 1, 2, JointKind.REVOLUTE, axis, "")
+    found = repeated_joints(survey, [known], [[1], [2], [3]])
+    assert [(h.a, h.b) for h in found] == [(1, 3)] * count
+
+
 def test_tiny_fingers_are_offered_only() -> None:
     """Fingers of less than two thousandths of the volume belong to the palm; their motion is offered."""
     found = inferred(*gripper(400.0), sources=BARE)

@@ -15,9 +15,10 @@ from stepbot.formats.features import Feature, Level
 from stepbot.formats.lowering import lower
 from stepbot.formats.lowering.joints import UNLIMITED, damped_softly, stiffly_damped
 from stepbot.formats.lowering.masses import STAND_IN_MASS, STAND_IN_MOMENT
-from stepbot.formats.lowering.rerooted_loops import reroot_loops
+from stepbot.formats.lowering.rerooted_loops import _turned, reroot_loops
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
 from stepbot.robot.dynamics import equations_of_motion, free_mass_matrix
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses
@@ -388,6 +389,25 @@ def test_a_loop_cut_elsewhere_moves_equally(actuated: tuple[str, ...]) -> None:
             for link in robot.links:
                 com, moved = link.mass_properties.com, stated.link_by_name[link.name].mass_properties.com
                 np.testing.assert_allclose(before[link.name].apply(com), after[link.name].apply(moved), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "q"),
+    [
+        (JointKind.REVOLUTE, {"j": 0.7}),
+        (JointKind.PRISMATIC, {"j": 0.7}),
+        (JointKind.UNIVERSAL, {"j_1": 0.7, "j_2": -0.4}),
+    ],
+)
+def test_a_joint_with_parent_and_child_exchanged_moves_equally(kind: JointKind, q: dict[str, float]) -> None:
+    """For equal coordinates, in the frames that both links get; those of a universal joint change places."""
+    X_PC, X_CN = (Pose.from_xyz_rpy(xyz, rpy) for xyz, rpy in (((1, 2, 3), (0.1, 0.2, 0.3)), ((0, 1, 0), (0, 0.5, 1))))
+    joint = Joint("j", kind, "p", "c", X_PC, (0.6, 0.0, 0.8), axis2=(0.0, 1.0, 0.0), limit=Limit(-1.0, 1.0))
+    back = _turned(joint, {"c": X_CN, "p": X_PC})
+    swapped = {"j_1": q["j_2"], "j_2": q["j_1"]} if "j_2" in q else q
+    X_C = link_poses(Robot("there", (Link("p"), Link("c")), (joint,)), q)["c"]
+    X_P = link_poses(Robot("back", (Link("c"), Link("p")), (back,)), swapped)["p"]
+    assert X_P.matrix == pytest.approx(((X_C @ X_CN).inverse() @ X_PC).matrix, abs=1e-12)
 
 
 def test_a_sliding_closure_without_a_plain_pin_is_an_error(diagnostics: ReadDiagnostics) -> None:

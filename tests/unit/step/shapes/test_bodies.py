@@ -365,6 +365,16 @@ def test_tries_to_mesh_end_at_a_limit(
     assert ("2 of its faces" in message) is (seconds < 0.0)
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_error_that_a_mesh_may_have_does_not_depend_on_its_size(scale: float) -> None:
+    """By chordal deviation 3.6 % of a sheet whose thickness is a hundred times that, and no more than by the angle."""
+    sheet, wanted = solids.box(scale, scale, 0.1 * scale).shape, tessellation.Fineness(1e-3 * scale, 0.5)
+    by_deflection = 1.5e-3 * (2 + 0.4) / 0.1
+    assert tessellation.tessellated_once(sheet, wanted).volume_tolerance == pytest.approx(by_deflection, rel=1e-6)
+    coarse = replace(wanted, deflection=scale)
+    assert tessellation.tessellated_once(sheet, coarse).volume_tolerance == pytest.approx(0.5**2 / 2 + 0.02, rel=1e-9)
+
+
 def test_a_finer_mesh_is_bounded_and_needs_all_faces(monkeypatch: pytest.MonkeyPatch) -> None:
     """None is made that would have too many faces, or lack a face that is not meshed alone; the result says so."""
     mesh, made = tessellation.tessellated_once, list[tessellation.Fineness]()
