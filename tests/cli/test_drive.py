@@ -116,6 +116,15 @@ def test_bad_input(folder: Path, stepbot: Stepbot, arguments: tuple[str, ...], c
     assert message in found["message"]
 
 
+def test_a_step_file_is_drafted_first(folder: Path, stepbot: Stepbot) -> None:
+    """A STEP has no joints, and no report to search for: the remedy is a draft."""
+    (folder / "arm.step").write_text("ISO-10303-21;\n")
+    run = stepbot("drive", "arm.step")
+    assert run.code == 1
+    assert "error[SB102]: sidecar: file is a STEP file" in run.err
+    assert "`stepbot init arm.step`" in run.err
+
+
 def test_a_file_of_an_earlier_conversion(folder: Path, stepbot: Stepbot) -> None:
     """A file that the report does not list is of another state of the robot."""
     document = json.loads((folder / "arm" / "report.json").read_bytes())

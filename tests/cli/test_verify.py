@@ -104,12 +104,12 @@ def test_urdf_with_a_floating_joint_within(stepbot: Stepbot, tmp_path: Path) -> 
 
 @pytest.mark.parametrize(("name", "what"), [("arm.robot.yaml", "a sidecar"), ("arm.stp", "a STEP file")])
 def test_source_of_a_robot(name: str, what: str, stepbot: Stepbot, tmp_path: Path) -> None:
-    """A sidecar or a STEP is named as such, with the command that verifies what it is converted to."""
+    """A sidecar or a STEP is named as such, with the command that leads to a description."""
     (tmp_path / name).write_text("version: 1\n", encoding="utf-8")
     run = stepbot("verify", str(tmp_path / name))
     assert run.code == 1
     assert f"error[SB814]: {what}, not a robot description" in run.err
-    assert "help: `stepbot convert SIDECAR`" in run.err
+    assert f"help: `stepbot {'init' if name.endswith('stp') else 'convert'} {(tmp_path / name).as_posix()}`" in run.err
 
 
 def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:

@@ -693,6 +693,26 @@ def test_links_that_start_in_one_another(tmp_path: Path) -> None:
     assert not told(again, "SB874:contacts")
 
 
+@pytest.mark.parametrize(("step", "failed"), [("2 ms", {"SB811"}), ("0.1 ms", set())])
+def test_a_urdf_is_simulated_with_the_time_step_of_the_sidecar(step: str, failed: set[str], tmp_path: Path) -> None:
+    """A URDF states none: the remedy for a chain of light links with a heavy end is that of the sidecar."""
+    links = ['<link name="link_0"/>']
+    for n, mass in enumerate((1e-4, 1e-4, 1e-4, 1e-4, 1.0), start=1):
+        diagonal = " ".join(f'{key}="{1e-4 * mass}"' for key in ("ixx", "iyy", "izz"))
+        links.append(
+            f'<link name="link_{n}"><inertial><origin xyz="0.05 0 0"/><mass value="{mass}"/>'
+            f'<inertia {diagonal} ixy="0" ixz="0" iyz="0"/></inertial></link>'
+            f'<joint name="joint_{n}" type="continuous"><parent link="link_{n - 1}"/><child link="link_{n}"/>'
+            '<origin xyz="0.1 0 0"/><axis xyz="0 1 0"/></joint>'
+        )
+    (tmp_path / "chain.urdf").write_text(f'<robot name="chain">{"".join(links)}</robot>', encoding="utf-8")
+    sidecar = tmp_path / "chain.robot.yaml"
+    text = "version: 1\nrobot: chain\nbase: fixed\nmodules: {m: {file: chain.urdf}}\n"
+    sidecar.write_text(f"{text}simulation: {{timestep: {step}}}\n", encoding="utf-8")
+    conversion = convert(sidecar, Options(tmp_path / "out", formats=("urdf",)))
+    assert {one.code for one in conversion.diagnostics if one.severity == "error"} == failed
+
+
 def test_a_flat_collision_mesh_is_left_out_where_mujoco_rejects_it(tmp_path: Path) -> None:
     """A printed marker of two triangles, as on Stretch: MuJoCo loads no file with it, and the loss is reported."""
     text = "v 0 0 0\nv 0.06 0 0\nv 0.06 0.06 0\nv 0 0.06 0\nf 1 2 3\nf 1 3 4\n"

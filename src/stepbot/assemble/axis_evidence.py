@@ -9,7 +9,10 @@ from stepbot.step.structure.paths import quoted
 
 RIVALS = 5
 """Maximum number of other lines in a record."""
-_OFF_CENTRE = "a ball joint turns about the centre of its ball, and this is the middle of the faces on the line"
+_CENTRE = "a ball joint turns about the centre of its ball, and this is the middle of"
+_OFF_CENTRE = f"{_CENTRE} the faces on the line"
+_BALL = 1.02
+"""Ratio of the two largest edges of a box up to which a ball, or one with flat ends, may be in it."""
 CENTRE = (
     "give the centre of the ball: `origin: {xyz: [...]}`, as `stepbot init` drafts it, "
     "or `{center: PATH}` of a whole ball",
@@ -50,6 +53,15 @@ def evidence_of(
         tuple(_rival(other, line) for other in others[:RIVALS]),
         "" if selected and confirmed else doubt(line, others) or (_OFF_CENTRE if is_ball else ""),
     )
+
+
+def off_centre(box: tuple[Vector3, Vector3]) -> str:
+    """Why the middle of a part's box [m] is not the centre of a ball joint; empty if the part may be a ball."""
+    sizes = [high - low for low, high in zip(*box, strict=True)]
+    _, middle, largest = sorted(sizes)
+    if largest <= _BALL * middle:
+        return ""
+    return f"{_CENTRE} a box of {' x '.join(f'{1e3 * size:.4g}' for size in sizes)} mm, which is not that of a ball"
 
 
 def faces_of_radius(line: AxisLine, radius: float | None) -> tuple[LineFace, ...]:

@@ -42,7 +42,7 @@ from stepbot.step.features.axes import (
 )
 from stepbot.step.structure.paths import quoted
 
-from .axis_evidence import CENTRE, described, evidence_of, radii_of
+from .axis_evidence import CENTRE, described, evidence_of, off_centre, radii_of
 from .binder import Binder, listed
 from .claims import Claims
 
@@ -142,8 +142,7 @@ class Frames:
             self._give(request, f"the frame of component {quoted(origin.component)}")
             return self._component(origin.component, (*request.keys, "component"))
         if isinstance(origin, CenterOrigin):
-            self._give(request, f"the centre of the box around {quoted(origin.center)}")
-            return self._center(origin.center, (*request.keys, "center"))
+            return self._center(origin, request)
         if isinstance(origin, AxisOrigin):
             return self._axis(origin, request)
         if isinstance(origin, MateOrigin):
@@ -168,14 +167,16 @@ class Frames:
         index = self._binder.one(pattern, keys, other_names)
         return None if index is None else self._binder.assembly.components[index].X_WC
 
-    def _center(self, pattern: str, keys: Keys) -> Pose | None:
-        index = self._binder.one(pattern, keys)
+    def _center(self, origin: CenterOrigin, request: OriginRequest) -> Pose | None:
+        keys, words = (*request.keys, "center"), f"the centre of the box around {quoted(origin.center)}"
+        index = self._binder.one(origin.center, keys)
         if index is None:
             return None
         box = self._binder.assembly.bounds(index)
         if box is None:
-            self._binder.report("SB404", keys, f"'{pattern}' has no geometry and therefore no centre")
+            self._binder.report("SB404", keys, f"'{origin.center}' has no geometry and therefore no centre")
             return None
+        self._give(request, words, off_centre(box) if request.is_ball and origin.offset is None else "")
         return Pose.of(position=[0.5 * (low + high) for low, high in zip(*box, strict=True)])
 
     def _axis(self, origin: AxisOrigin, request: OriginRequest) -> Pose | None:
@@ -261,8 +262,8 @@ class Frames:
             self._report_misses(request, f"{words[0]} and {words[1]} share no axis{with_radius}", a, b)
         return None
 
-    def _give(self, request: OriginRequest, text: str) -> None:
-        self._evidence[request.keys] = Evidence(Basis.GIVEN, text)
+    def _give(self, request: OriginRequest, text: str, doubt: str = "") -> None:
+        self._evidence[request.keys] = Evidence(Basis.GIVEN, text, doubt=doubt)
 
     def _on(
         self,
@@ -360,9 +361,9 @@ class Frames:
             ]
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
         snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
-        first = CENTRE if request.is_ball else self._other_parents(request)
         others = snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]
-        self._report_none(request, message, (*first, *others), tuple(notes))
+        help = CENTRE if request.is_ball else (*self._other_parents(request), *others)
+        self._report_none(request, message, help, tuple(notes))
 
     def _other_parents(self, request: OriginRequest) -> list[str]:
         """Links with a shaft in a bore of the child's, or the reverse: one of them may be its parent."""

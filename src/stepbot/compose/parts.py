@@ -224,7 +224,7 @@ class Parts:
         self._diagnostics.add("SB160", f"module '{name}': home: {what}", place, help=help)
 
     def _unknown(self, name: str, keys: tuple[str | int, ...], one: str, what: str, known: list[str]) -> None:
-        near = did_you_mean(one, known) or (f"known: {listed(known, _MOST_LISTED)}",)
+        near = did_you_mean(one, known) or ((f"known: {listed(known, _MOST_LISTED)}",) if known else ())
         message = f"module '{name}': {keys[0]}: '{one}': {what} in '{self._robots_file(name)}'"
         self._diagnostics.add("SB160", message, self._sidecar.span("modules", name, *keys), help=near)
 

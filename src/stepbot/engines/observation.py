@@ -324,6 +324,8 @@ class Request(Struct, frozen=True):
     """Initial pose of the passive simulation; other joints are at 0."""
     simulate: float = 1.0
     """Duration [s] of the passive simulation; 0 for none."""
+    timestep: float = 1.0
+    """Longest time step [s] where the file states none."""
     floating: bool = False
     """Whether the base floats in the passive simulation, if the file does not determine it."""
     closures: tuple[LoopClosure, ...] = ()
@@ -334,8 +336,7 @@ class Request(Struct, frozen=True):
     regular: tuple[int, ...] = ()
     """For each way, the number of configurations before the loops come near a singularity."""
     held_by_a_point: tuple[str, ...] = ()
-    """Revolute closures that the engine must constrain only at a point when stepbot adds them: a full constraint would
-    jam a mechanism whose pins are not exactly parallel."""
+    """Revolute closures that stepbot adds at a point alone: pins that are not exactly parallel would jam."""
     driven: tuple[str, ...] = ()
     """Joints locked to the path while an engine closes the loops; the others follow."""
     mimics: Mapping[str, Mimic] = field(default_factory=dict)

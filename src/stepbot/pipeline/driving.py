@@ -15,6 +15,7 @@ from stepbot.driving.driving import Driven, drive_files, missing_engines, report
 from stepbot.driving.limits import Demands, InvalidLimits, demands
 from stepbot.driving.plan import ENGINES
 from stepbot.formats import FORMATS
+from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import exists, is_file, is_folder, read_regular
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
@@ -63,7 +64,7 @@ def drive(
     if demanded is None or diagnostics.has_errors:
         return None
     with ExitStack() as kept:
-        if target.suffix.lower() in SIDECAR_SUFFIXES:
+        if target.suffix.lower() in SIDECAR_SUFFIXES or is_step_name(target.name):  # which a conversion rejects
             folder = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
             if not _convert(target, folder, options, diagnostics, progress):
                 return None

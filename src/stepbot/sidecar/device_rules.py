@@ -57,7 +57,7 @@ def check_actuators(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
         if joint.type not in ONE_FREEDOM:
             message = f"{who}: joint '{actuator.joint}' of type {joint.type} cannot be actuated"
             diagnostics.add("SB459", message, place, help=[f"types that can be actuated: {', '.join(ONE_FREEDOM)}"])
-        elif joint.mimic is not None:
+        elif joint.mimic is not None and joint.mimic.joint in document.joints:  # else SB130 is reported
             message = f"{who}: joint '{actuator.joint}' mimics joint '{joint.mimic.joint}' and cannot be actuated"
             diagnostics.add("SB459", message, place, help=[f"use joint '{joint.mimic.joint}' instead"])
         elif first != name:

@@ -111,8 +111,13 @@ def _check_joints(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
     for keys, joint in joint_references(document):
         if joint is None or joint in document.joints:
             continue
-        help = _candidates(joint, document.joints, "joints")
-        if joint in document.closures:
+        others = [name for name in document.joints if keys[:2] != ("joints", name)]
+        help = _candidates(joint, others, "joints" if others or not document.joints else "other joints")
+        if "/" in joint and not document.modules:
+            help = (
+                "a joint of another module can lead one of the composing file's own `joints`, not one of this file",
+            )
+        elif joint in document.closures:
             help = ("it is a closure; only joints of the tree can be referenced",)
         elif not sidecar.written(*keys):
             help = ("without `joint`, an actuator drives the joint of its own name", *help)

@@ -95,7 +95,7 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
     if kind == "missing":
         return _missing_key(error["loc"], keys, root)
     if kind.startswith("string_") and kind != "string_type":
-        return _bad_name(kind, context, error, keys)
+        return _bad_name(kind, context, error, keys, root)
     if kind in ("enum", "literal_error"):
         return _wrong_word(error, keys, value)
     if kind == "union_tag_not_found":
@@ -154,8 +154,8 @@ def _shortly(value: Tree) -> str:
 
 def _missing_key(loc: tuple[str | int, ...], keys: Keys, root: Tree) -> _Fault | None:
     key = keys[-1]
-    if isinstance(key, int):  # the list is too short: reported for the list as a whole
-        return None
+    if isinstance(key, int) or _where_a_module_has_it(keys, root):
+        return None  # reported for the list as a whole, or for the name
     sections = sections_at(loc[:-1])
     above = way(root, keys[:-1])[-1]
     if isinstance(above, Mapping):
@@ -167,7 +167,15 @@ def _missing_key(loc: tuple[str | int, ...], keys: Keys, root: Tree) -> _Fault |
     return _Fault("SB121", f"missing key '{key}'", (help or f"{key}: {meaning}",), of_key=True, above=True)
 
 
-def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Keys) -> _Fault:
+def _where_a_module_has_it(keys: Keys, root: Tree) -> str:
+    """Where `leg/knee` below `joints` can be changed, if `leg` is a module; else nothing."""
+    module, _, name = str(keys[1]).partition("/") if len(keys) > 1 else ("", "", "")
+    if not name or len(way(root, ("modules", module))) < 3:
+        return ""
+    return f"`modules: {{{module}: {{set: {{{keys[0]}: {{{name}: ...}}}}}}}}` changes that of module '{module}'"
+
+
+def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Keys, root: Tree) -> _Fault:
     of_key, text = error["loc"][-1] == "[key]", str(error["input"])
     if kind == "string_too_short":
         return _Fault("SB126", "empty name", of_key=of_key)
@@ -186,7 +194,7 @@ def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Key
         return _Fault("SB126", message, (allowed,), of_key)
     has = " and ".join(dict.fromkeys(wrong))
     why = "which is not allowed in file names" if keys == ("robot",) else "which is not supported by all formats"
-    return _Fault("SB126", f"'{text}' contains {has}, {why}", (allowed,), of_key)
+    return _Fault("SB126", f"'{text}' contains {has}, {why}", (_where_a_module_has_it(keys, root) or allowed,), of_key)
 
 
 def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:

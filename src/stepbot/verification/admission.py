@@ -24,7 +24,6 @@ SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if writt
 """Ends of the names of files that contain the robot of a main file once more."""
 _BEGINNING = 4096
 """Number of bytes in which the first element of a file is."""
-_FROM_SIDECAR = "`stepbot convert SIDECAR` writes and verifies the descriptions; name one of these files"
 _SHOWN = 5
 """Maximum number of files that a remedy lists."""
 
@@ -78,14 +77,21 @@ def is_robot_file(path: Path, diagnostics: Diagnostics) -> bool:
     """
     span = Span(path.as_posix())
     if is_file(path):
-        source = "a sidecar" if path.suffix in (".yaml", ".yml") else "a STEP file" if is_step_name(path.name) else ""
-        if source:
-            diagnostics.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
-        return not source
+        if is_step_name(path.name):
+            help = [
+                f"`stepbot init {span.file}` drafts a sidecar from it; pass that sidecar, or what it is converted to"
+            ]
+            diagnostics.add("SB814", "a STEP file, not a robot description", span, help=help)
+            return False
+        if path.suffix in (".yaml", ".yml"):
+            help = [f"`stepbot convert {span.file}` writes and verifies the descriptions; name one of these files"]
+            diagnostics.add("SB814", "a sidecar, not a robot description", span, help=help)
+            return False
+        return True
     if is_folder(path):
         inside = listed([file.as_posix() for file in main_files(path)], _SHOWN)
-        help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"
-        diagnostics.add("SB001", "is a folder, not a file", span, help=[help])
+        help = [f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"]
+        diagnostics.add("SB001", "is a folder, not a file", span, help=help)
         return False
     beside = [file.as_posix() for file in main_files(path.parent)]
     near = did_you_mean(path.name, (Path(one).name for one in beside))

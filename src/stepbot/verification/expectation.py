@@ -117,6 +117,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
             rates=rates(moved, CONFIGURATIONS, SEED),
             initial=initial_configuration(moved),
             simulate=SECONDS,
+            timestep=robot.simulation.timestep or 1.0,
             floating=moved.base is Base.FLOATING,
             closures=moved.closures,
             ways=_followed(written, loops.ways) if moved is not written else loops.ways,

@@ -251,13 +251,30 @@ def test_the_centre_of_a_ball_on_a_line_is_doubted(tmp_path: Path, diagnostics: 
         built(shop, tmp_path, _joint(chosen, "ball"))
 
 
+@pytest.mark.parametrize(("size", "doubted"), [((20, 20, 60), True), ((20, 20, 20), False), ((20, 12, 20), False)])
+def test_the_middle_of_a_stud_is_no_centre_of_a_ball(
+    size: tuple[float, float, float], doubted: bool, tmp_path: Path
+) -> None:
+    """A ball, with flat ends or without, has its centre in the middle of its box; a ball on a stem does not."""
+    shop = Workshop()
+    shop.box("base", (100, 100, 10))
+    shop.box("arm", size)
+    made = build_robot(
+        shop.assembly, sidecar(tmp_path, _joint("{center: arm}", "ball")), lambda: shop.measures, Diagnostics()
+    )
+    assert made is not None
+    words = "a ball joint turns about the centre of its ball, and this is the middle of a box of 20 x 20 x 60 mm, "
+    assert made.joint_table[0].evidence.doubt == (f"{words}which is not that of a ball" if doubted else "")
+
+
 def test_a_ball_in_a_socket_has_no_line(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
     """The remedy is where to take the centre from; cylinders elsewhere on the two links are no cause."""
     shop = _two([axis((0, 0, 0), radius=5, length=4)], [axis((90, 0, 1), radius=5, length=4, bore=False)])
     assert build(shop, tmp_path, _joint("auto", "ball"), diagnostics) is None
     (error,) = diagnostics
     assert error.code == "SB401"
-    assert error.help[0].endswith("or `{center: PATH}` of a whole ball")
+    (help,) = error.help
+    assert help.endswith("or `{center: PATH}` of a whole ball")
 
 
 def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:

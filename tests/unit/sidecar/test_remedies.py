@@ -214,6 +214,23 @@ def test_a_list_where_a_word_is_required() -> None:
     assert fault.help == ("choices: 'z', '-z', 'y', '-y', 'x', '-x'",)
 
 
+def test_a_joint_of_a_module_is_changed_by_set() -> None:
+    """`arm/elbow` is a reference, not a name below `joints`: one finding, with the place of the change."""
+    text = "version: 1\nrobot: r\nmodules: {arm: {file: arm.urdf}}\njoints: {arm/elbow: {limits: {upper: 1}}}\n"
+    (finding,) = findings(text)
+    assert finding.code == "SB126"
+    assert finding.help[0].startswith("`modules: {arm: {set: {joints: {elbow: ...}}}}` changes that of module 'arm'")
+
+
+def test_a_joint_is_not_offered_as_its_own_leader() -> None:
+    """A misspelt leader has one finding, and its remedy is another joint."""
+    text = ARM.replace("upper: 1}", "upper: 1}, mimic: {joint: elbo}") + "actuators: {elbow: {kind: motor}}\n"
+    (finding,) = findings(text)
+    assert (finding.code, finding.help) == ("SB130:joint", ("no other joints are defined",))
+    (finding,) = findings(text.replace("elbo}", "left/elbow}"))
+    assert finding.help[0].startswith("a joint of another module can lead one of the composing file's own `joints`")
+
+
 def test_key_under_another_name_is_not_missing_too() -> None:
     """``parent_link`` is one error about the name, and `parent` is not reported as missing."""
     assert [d.code for d in findings(ARM.replace("parent:", "parent_link:"))] == ["SB120"]

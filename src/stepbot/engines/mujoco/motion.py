@@ -30,8 +30,10 @@ def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, .
         Whether all values stayed finite, and notes on reversals.
     """
     engine, model = compiled.engine, compiled.model
-    flags = int(model.opt.disableflags)
+    flags, step = int(model.opt.disableflags), float(model.opt.timestep)
     model.opt.disableflags = flags | int(engine.mjtDisableBit.mjDSBL_ACTUATION)
+    if request.format == "urdf":
+        model.opt.timestep = min(step, request.timestep)
     try:
         data = compiled.data(request.initial)
         gimbals = Gimbals(compiled, data)
@@ -39,7 +41,7 @@ def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, .
             engine.mj_step(model, data)
             gimbals.turn_back(data)
     finally:
-        model.opt.disableflags = flags
+        model.opt.disableflags, model.opt.timestep = flags, step
     bad = any(warning.number for warning in data.warning)
     return bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and not bad), gimbals.notes
 

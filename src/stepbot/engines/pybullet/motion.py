@@ -46,12 +46,12 @@ jam a loop whose pins are not exactly parallel."""
 
 def simulate(body: "Body", request: Request) -> bool:
     """Simulate from the initial pose, without motors; returns whether all values stayed finite."""
-    engine = body.engine
-    engine.setTimeStep(STEP)
+    engine, step = body.engine, min(STEP, request.timestep)
+    engine.setTimeStep(step)
     body.set(request.initial)
     release(body)
     gears(body, request.mimics, strength(body))
-    for _ in range(round(request.simulate / STEP)):
+    for _ in range(round(request.simulate / step)):
         engine.stepSimulation()
     states = [engine.getJointState(body.id, index)[:2] for index in body.coordinates.values()]
     base = [*engine.getBasePositionAndOrientation(body.id), *engine.getBaseVelocity(body.id)]
