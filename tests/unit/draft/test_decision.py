@@ -110,14 +110,19 @@ def test_nearest_part_is_the_one_with_the_nearest_faces() -> None:
     assert nearest(Survey(assembled(*nodes), ALL_SOURCES), [3]) == 2
 
 
-def test_arm_drawn_around_a_horn_moves_with_it() -> None:
-    """An arm that overlaps the horn of a motor, and whose faces touch nothing, is on the output, marked as a guess."""
+@pytest.mark.parametrize(
+    ("has_hub", "review"),
+    [(False, "nothing is fastened to it"), (True, "what the motor turns is only drawn beside its output")],
+)
+def test_arm_drawn_around_a_horn_moves_with_it(has_hub: bool, review: str) -> None:
+    """An arm that overlaps the horn of a motor, or a hub on it, and whose faces touch nothing, is a marked guess."""
     servo = group("servo", part("case", box(40, 20, 40), z=20), part("horn", cylinder(8, 4), z=40))
-    nodes = [part("base", box(200, 200, 10), z=-5), servo, part("arm", box(120, 18, 10), 50, z=47)]
-    found = inferred(*nodes)
-    assert links(found) == [{"base", "servo/case"}, {"servo/horn", "arm"}]
-    assert [str(arc.evidence.type) for arc in found.arcs] == ["revolute"]
-    assert "output of a motor beside it" in found.guesses[5]
+    hub = [part("hub", box(10, 10, 4), z=46)] * has_hub
+    arm = part("arm", box(120, 18, 10), 50, z=52 if has_hub else 47)
+    found = inferred(part("base", box(200, 200, 10), z=-5), servo, *hub, arm)
+    assert links(found) == [{"base", "servo/case"}, {"servo/horn", "arm"} | ({"hub"} if has_hub else set())]
+    assert [(str(arc.evidence.type), arc.evidence.review) for arc in found.arcs] == [("revolute", review)]
+    assert "output of a motor beside it" in found.guesses[5 + has_hub]
 
 
 def test_a_loaded_output_gets_no_more() -> None:

@@ -9,9 +9,9 @@ from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.dynamics import GRAVITY, equations_at, equations_of_motion, mobilities
+from stepbot.robot.dynamics import GRAVITY, equations_at, equations_of_motion, free_mass_matrix, mobilities
 from stepbot.robot.kinematics import Tree, complete, configurations, link_poses, link_poses_at, rates
-from stepbot.robot.model import Joint, JointKind, Link, Robot
+from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Link, Robot
 from tests.robots import ROBOTS
 
 m1, m2, a1, c1, c2, I1, I2 = 1.5, 0.7, 0.4, 0.15, 0.22, 0.011, 0.007
@@ -185,6 +185,21 @@ def test_mass_matrix_is_that_of_the_kinetic_energy(name: str) -> None:
         energy += 0.5 * body.mass * velocity @ velocity + 0.5 * w_L @ np.array(body.inertia) @ w_L
     M = equations_of_motion(robot, configuration).mass_matrix
     assert 0.5 * v @ M @ v == pytest.approx(energy, rel=1e-7, abs=1e-12)
+
+
+@pytest.mark.parametrize("base", list(Base))
+def test_armatures_are_on_the_diagonal_of_the_free_mass_matrix(base: Base) -> None:
+    """Beside the textbook's matrix at q = 0; a base that floats has six coordinates more, and none of them."""
+    arm = replace(_vertical_arm(), base=base)
+    armatures = (0.3, 0.2)
+    joints = (replace(j, dynamics=JointDynamics(armature=a)) for j, a in zip(arm.joints, armatures, strict=True))
+    (names, bare), (_, M) = (free_mass_matrix(one) for one in (arm, replace(arm, joints=tuple(joints))))
+    own = [names.index(name) for name in ("one", "two")]
+    assert len(names) == (8 if base is Base.FLOATING else 2)
+    assert M - bare == pytest.approx(np.diag([0.3 * (n == own[0]) + 0.2 * (n == own[1]) for n in range(len(names))]))
+    coupled = I2 + m2 * c2 * (c2 + a1)
+    first = I1 + I2 + m1 * c1**2 + m2 * (a1 + c2) ** 2
+    assert bare[np.ix_(own, own)] == pytest.approx(np.array([[first, coupled], [coupled, I2 + m2 * c2**2]]))
 
 
 def test_mass_matrix_is_symmetric_and_positive() -> None:

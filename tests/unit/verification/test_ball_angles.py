@@ -1,11 +1,13 @@
-"""Angles of ball joints, against scipy and differences of neighbouring rotations."""
+"""Angles of ball joints, against scipy and differences of neighbouring rotations; screws of two joints."""
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from stepbot.engines.observation import ObservedJoint
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_about, unit
-from stepbot.verification.chains import common_point, direction, foot, pitch_of, twist_of
+from stepbot.robot.model import JointDynamics, Limit
+from stepbot.verification.chains import _both, common_point, direction, foot, pitch_of, twist_of
 from stepbot.verification.pairing import BallAngles
 
 X, Y, Z = np.eye(3)
@@ -91,3 +93,29 @@ def test_axes_through_one_point_and_past_it() -> None:
     assert astray < 1e-15
     through[0] = np.concatenate([X, np.cross(point + 0.01 * Z, X)])
     assert common_point(np.array(through))[1] == pytest.approx(0.005)
+
+
+@pytest.mark.parametrize("m", [0.5, -2.0])
+@pytest.mark.parametrize("springs", [(3.0, 5.0), (3.0, 0.0), (0.0, 5.0)])
+def test_a_screw_of_two_joints_has_the_forces_and_limits_of_both(m: float, springs: tuple[float, float]) -> None:
+    """Its torque and power at equal motion are those of both, and it reaches what both allow."""
+    limits, forces = (Limit(-1.0, 2.0, 3.0, 4.0), Limit(-0.4, 0.6, 5.0, 7.0)), []
+    for n, stiffness in enumerate(springs):
+        forces.append(JointDynamics(0.1 + n, 0.2 + n, stiffness, 0.3 - n, 0.4 + n))
+    turn, slide = (
+        ObservedJoint(name, name, "a", "b", limit=limit, dynamics=of)
+        for name, limit, of in zip(("turn", "slide"), limits, forces, strict=True)
+    )
+    screw = _both(turn, slide, m)
+    a, b, both = *forces, screw.dynamics
+    assert both is not None
+    assert screw.limit is not None
+    for q in (-0.7, 0.0, 1.3):
+        torque = a.stiffness * (q - a.spring_reference) + m * b.stiffness * (m * q - b.spring_reference)
+        assert both.stiffness * (q - both.spring_reference) == pytest.approx(torque)
+    for name, power in (("damping", 2), ("friction", 1), ("armature", 2)):
+        assert getattr(both, name) == pytest.approx(getattr(a, name) + abs(m) ** power * getattr(b, name))
+    for q in np.linspace(-2.0, 2.0, 41) + 1e-3:
+        allowed = all(limit.lower <= at <= limit.upper for limit, at in zip(limits, (q, m * q), strict=True))
+        assert (screw.limit.lower <= q <= screw.limit.upper) == allowed
+    assert screw.limit.velocity == pytest.approx(min(3.0, 5.0 / abs(m)))

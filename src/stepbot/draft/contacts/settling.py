@@ -17,7 +17,6 @@ from stepbot.draft.contacts.contacts import Pair, Patch
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET, NearFit
 from stepbot.draft.contacts.planes import Planes
 from stepbot.draft.contacts.relations import Relation
-from stepbot.draft.contacts.shafts import LINE_DISTANCE
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part, joint_box
@@ -37,6 +36,7 @@ from stepbot.geometry.spatial import (
     rotation_about,
     rotation_angle,
 )
+from stepbot.step.features.axes import DISTANCE_TOLERANCE
 
 _DRAWN_OFF = 1e-6
 """Angle [rad] from which lines are not drawn parallel."""
@@ -114,7 +114,7 @@ def settled(
         for fit in fits
         if pieces.find(a) != pieces.find(b)
         and not (Role.MOTOR in parts[a].roles and Role.MOTOR in parts[b].roles)
-        and (fit.offset > LINE_DISTANCE or fit.angle > _DRAWN_OFF)
+        and (fit.offset > DISTANCE_TOLERANCE or fit.angle > _DRAWN_OFF)
     ]
     ties = [_Tie(f.a, f.b, f.axis.point, f.axis.d, f.other_axis.point, f.other_axis.d, is_near=True) for f in off]
     if off or len(firm) < len(relations):

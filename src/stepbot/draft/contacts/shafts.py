@@ -14,12 +14,10 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.geometry.spatial import Array
 from stepbot.step.faces import FaceKind
+from stepbot.step.features.axes import ANGLE_TOLERANCE, DISTANCE_TOLERANCE
 from stepbot.step.features.axis_contacts import BESIDE, LOOSEST, SLACK_SHARE, fits
 from stepbot.step.features.coaxial import Rays, coaxial, signed
 
-LINE_DISTANCE = 1e-5
-"""Distance [m] up to which faces are coaxial, as for ``mate`` in a sidecar."""
-LINE_ANGLE = 1e-3
 HALF_ROUND = 3.2
 """Angle [rad] above which a face covers more than half of the circumference."""
 
@@ -37,7 +35,7 @@ def find_fits(scene: Scene, contacts: Contacts) -> None:
     if not rows:
         return
     rays = Rays(np.array([r.point for r in rows]), np.array([r.direction for r in rows]))
-    for group in coaxial(rays, LINE_DISTANCE, LINE_ANGLE):
+    for group in coaxial(rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE):
         line = _line([rows[i] for i in group.tolist()])
         contacts.lines.append(line)
         for a, b in neighbours_on(line):
@@ -117,7 +115,7 @@ def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit 
             return None
         if not 1.0 / HOLE_RATIO < face_a.radius / face_b.radius < HOLE_RATIO:
             return None
-    elif abs(face_a.radius - face_b.radius) >= LINE_DISTANCE or abs(low - high) >= _FLUSH_GAP:
+    elif abs(face_a.radius - face_b.radius) >= DISTANCE_TOLERANCE or abs(low - high) >= _FLUSH_GAP:
         return None
     at = Axis(axis.point + axis.d * (0.5 * (low + high)), axis.d)
     length = high - low if kind == FitKind.SHAFT else low - high

@@ -15,7 +15,7 @@ from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
 from stepbot.draft.contacts.roles import find_bands, read_parts, spoken_names
 from stepbot.draft.contacts.settling import is_tilted, settled
-from stepbot.draft.contacts.shafts import LINE_ANGLE, LINE_DISTANCE, find_fits, find_sockets
+from stepbot.draft.contacts.shafts import find_fits, find_sockets
 from stepbot.draft.contacts.teeth import (
     Gear,
     Mesh,
@@ -36,6 +36,7 @@ from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.step.assembly import Assembly
+from stepbot.step.features.axes import ANGLE_TOLERANCE, DISTANCE_TOLERANCE
 
 _BALL = 0.3
 """Ratio of the radius of a ball and the size of its stud, up to which it is no spherical washer."""
@@ -104,7 +105,7 @@ class Survey:
     def slack(self) -> tuple[float, float]:
         """Distance [m] and angle [rad] up to which faces that do not touch are on one line: more if parts are off."""
         is_off = self.moved or any(is_tilted(patch) for r in self.relations.values() for patch in r.patches)
-        return (0.5 * OFFSET, 0.5 * ANGLE) if is_off else (LINE_DISTANCE, LINE_ANGLE)
+        return (0.5 * OFFSET, 0.5 * ANGLE) if is_off else (DISTANCE_TOLERANCE, ANGLE_TOLERANCE)
 
     def as_drawn(self, axis: Axis, parts: Sequence[int]) -> Axis:
         """Where an axis is in the assembly as drawn, by that of some parts which has moved least."""

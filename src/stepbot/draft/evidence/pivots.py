@@ -11,7 +11,7 @@ import numpy as np
 from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, LineFace, Pair
-from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO, LINE_ANGLE, neighbours_on
+from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO, neighbours_on
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
@@ -19,6 +19,7 @@ from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
+from stepbot.step.features.axes import ANGLE_TOLERANCE
 from stepbot.step.features.axis_contacts import LOOSEST, SLACK_SHARE, TIGHTEST
 from stepbot.step.features.coaxial import Rays, coaxial
 
@@ -128,7 +129,7 @@ def spaced_pivots(survey: Survey) -> Iterator[Pivot]:
     ]
     middles = [axis.point + axis.d * (0.5 * (f.low + f.high)) for axis, f, _ in ends]
     rays = Rays(np.array(middles).reshape(-1, 3), np.array([axis.d for axis, _, _ in ends]).reshape(-1, 3))
-    for rows in coaxial(rays, LOOSEST, LINE_ANGLE):
+    for rows in coaxial(rays, LOOSEST, ANGLE_TOLERANCE):
         d, half = ends[rows[0]][0].d, {n: 0.5 * (ends[n][1].high - ends[n][1].low) for n in rows.tolist()}
         ordered = sorted(half, key=lambda n: (round(float(middles[n] @ d), 6), ends[n][2]))
         for n, m in pairwise(ordered):
