@@ -54,7 +54,7 @@ html_option = click.option(
     "--html", is_flag=True, help="Also write report.html, one page with the robot and everything about it."
 )
 drive_option = click.option(
-    "--drive", is_flag=True, help="Drive the written files in MuJoCo and PyBullet, too; see `stepbot drive`."
+    "--drive", is_flag=True, help="Also drive the written files in MuJoCo and PyBullet; see `stepbot drive`."
 )
 
 

@@ -202,7 +202,7 @@ def variant_option(command: Callable[..., int]) -> Callable[..., int]:
         named = next(others[key] for key in ("sidecar", "sidecars", "target", "step") if key in others)
         for path in named if isinstance(named, tuple) else (named,):
             if variant and path.suffix.lower() not in (".yaml", ".yml") and not path.is_dir():
-                raise click.UsageError(f"--variant needs a sidecar, and {printable(path.name)} is none")
+                raise click.UsageError(f"--variant requires a sidecar; {printable(path.name)} is not one")
         if variant and others.get("edit"):
             raise click.UsageError("--variant cannot be edited: the page writes the sidecar as it is")
         return command(options=options._replace(variant=variant), **others)

@@ -107,7 +107,7 @@ def _measured(name: str, occurrences: int, body: Body, mesh: VolumeProperties | 
     deviation, quantity = mesh.deviation_from(exact) if mesh is not None and exact is not None else (None, "")
     used, written = None, body.defect or f"a {body.kind} has no volume"
     if exact is not None and CERTAIN < body.exact_error <= USABLE:
-        used, written = exact, f"exact: known to {_shown(body.exact_error):.1%} only"
+        used, written = exact, f"exact: accurate to {_shown(body.exact_error):.1%} only"
     elif not _is_unknown(body):
         if deviation is None:
             used, written = _only_one(exact, mesh, mode, body.defect) or (used, written)

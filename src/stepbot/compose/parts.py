@@ -134,7 +134,7 @@ class Parts:
             message = (
                 f"module '{name}': without: joint '{followed.joint}' mimics '{followed.leader}', which is left out"
             )
-            help = [f"leave out '{followed.joint}', too"]
+            help = [f"leave out '{followed.joint}' as well"]
             self._diagnostics.add("SB160", message, self._sidecar.span("modules", name, "without"), help=help)
             return robot
 

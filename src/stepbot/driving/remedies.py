@@ -78,7 +78,7 @@ def remedy(quantity: str, where: str, facts: Facts) -> str:
     shorter = "shorten the time step, `simulation: {timestep: 0.5 ms}`"
     if where in facts.light:
         return f"state the inertia of the motor's rotor at the joint, `dynamics: {{armature: ...}}`, or {shorter}"
-    return f"correct the masses or the limits of the joint, which its gains are computed from, or {shorter}"
+    return f"correct the masses or the limits of the joint, from which its gains are computed, or {shorter}"
 
 
 def overlap_words(overlaps: Mapping[tuple[str, str], float]) -> tuple[str, str]:
@@ -100,7 +100,7 @@ def spin_words(spin: Spin, *, gains: bool) -> tuple[str, str]:
         gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
     """
     names = " and ".join(f"'{one}'" for one in spin.standing[:_FEW])
-    drags = f"; {names} touch{'es' * (len(spin.standing) == 1)} the floor, too" if names else ""
+    drags = f"; {names} touch{'es' * (len(spin.standing) == 1)} the floor as well" if names else ""
     turned = f"the wheel of '{spin.joint}' turned {100.0 * spin.share:.0f} % of what was asked for"
     if spin.dragged:
         names = " and ".join(f"'{one}'" for one in spin.dragged[:_FEW])

@@ -191,7 +191,7 @@ def _report_others(files: Mapping[str, bytes], output: Path, diagnostics: Diagno
     robots, earlier = beside(files, output)
     if robots and REPORT in files and exists(output / REPORT):
         names = ", ".join(f"'{name}'" for name in robots)
-        message = f"the folder has files of {names}, too, and {REPORT} is of one robot"
+        message = f"the folder also has files of {names}, and {REPORT} describes one robot"
         help = "convert each robot into a folder of its own: `-o FOLDER`"
         diagnostics.add("SB022", message, Span((output / REPORT).as_posix()), help=(help,))
     if earlier:

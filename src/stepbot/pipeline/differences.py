@@ -156,7 +156,7 @@ def robot_files(old: Path, new: Path, diagnostics: Diagnostics) -> tuple[Path, P
         if is_folder(path) and not _by_suffix(path):
             diagnostics.add("SB001", "no URDF, SDFormat or MJCF file in this folder", Span(path.as_posix()))
     if not diagnostics.has_errors:
-        diagnostics.add("SB001", f"no file of a format that '{old.as_posix()}' has, too", Span(new.as_posix()))
+        diagnostics.add("SB001", f"no file of a format that is also in '{old.as_posix()}'", Span(new.as_posix()))
     return None
 
 

@@ -139,7 +139,7 @@ def _in_file(actual: Sidecar, view: EditedSidecar, changes: list[Change], action
 
 def _placed(view: EditedSidecar, keys: Keys) -> Keys:
     if keys[0] in _OF_STEP:
-        raise Refused(f"`{keys[0]}` is for STEP files; '{view.source}' is none")
+        raise Refused(f"`{keys[0]}` requires a STEP file; '{view.source}' is not one")
     if keys[0] in CHANGEABLE:
         return ("modules", view.module, "set", *keys)
     return keys

@@ -96,7 +96,7 @@ def _own_motors(sidecar: Sidecar, diagnostics: Diagnostics) -> Mapping[str, Moto
         beside = [one.name for one in path.parent.iterdir()] if is_folder(path.parent) else []
         where = f"`motors` is relative to {sidecar.path.name}"
         if sidecar.is_changed:
-            where += "; those at the top of the composing file are known to its modules, too"
+            where += "; modules can also use those at the top of the composing file"
         help = (*did_you_mean(path.name, sorted(beside)), where)
         diagnostics.add("SB001", f"motors: file '{given}' not found", sidecar.span("motors"), help=help)
         return None

@@ -225,7 +225,7 @@ def check_densities(sidecar: Sidecar, diagnostics: Diagnostics) -> None:
             diagnostics.add("SB521", message, sidecar.span(*keys), help=[help])
         elif 0.0 < density < _SPARSEST and sidecar.plain_number(*keys) is None:  # else SB139
             help = _other_unit(scalar.text, "g/cm^3", 1000.0) or "for comparison, polystyrene foam has 15 kg/m^3"
-            message = f"{subject(keys)}: {density:g} kg/m^3 is below the density of any solid, and that of foam"
+            message = f"{subject(keys)}: {density:g} kg/m^3 is below the density of any solid or foam"
             diagnostics.add("SB521", message, sidecar.span(*keys), help=[help])
 
 

@@ -171,7 +171,7 @@ def _patches(root: Mapping, name: str, diagnostics: Diagnostics, module: Tree | 
                 diagnostics,
                 root,
                 ("variants", name, "variants"),
-                f"variant '{name}': variants: a variant has none",
+                f"variant '{name}': a variant cannot have `variants`",
                 help,
             )
             return None

@@ -48,7 +48,7 @@ _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""
 _UNREAD = ("SB801", "SB802", "SB901")
 """Codes of engines that rejected a file, crashed, or failed."""
-_LENIENT = "correct this line; engines are more lenient than XML, and read files that are none"
+_LENIENT = "correct this line; engines are more lenient, and accept files that are not XML"
 
 
 def verify_files(

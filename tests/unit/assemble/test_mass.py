@@ -555,7 +555,7 @@ def test_roughly_known_mass_properties_are_used_and_reported(tmp_path: Path, dia
     assert exact is not None
     assert _mass(robot.root).mass == pytest.approx(1000 * exact.volume)
     (note,) = (fault for fault in diagnostics if fault.code == "SB505")
-    assert note.notes == ("a: exact: known to 5.0% only",)
+    assert note.notes == ("a: exact: accurate to 5.0% only",)
 
 
 def test_an_open_mesh_gives_way(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:

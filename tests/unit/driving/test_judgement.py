@@ -48,10 +48,15 @@ def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
         (
             Spin("left", 0.4, 0.02, 1.0, ("base", "tail")),
             "mujoco",
-            "; 'base' and 'tail' touch the floor, too",
+            "; 'base' and 'tail' touch the floor as well",
             "raise the",
         ),
-        (Spin("left", 0.99, 0.02, 0.3, ("base",)), "mujoco", "the floor; 'base' touches the floor, too", "only wheels"),
+        (
+            Spin("left", 0.99, 0.02, 0.3, ("base",)),
+            "mujoco",
+            "the floor; 'base' touches the floor as well",
+            "only wheels",
+        ),
         (Spin("left", 0.99, 0.02, 0.3), "mujoco", "the wheels turned as asked for, and slipped", "only wheels and"),
     ],
 )

@@ -147,7 +147,7 @@ class _Drafting:
         if joint.kind.bounded and joint.limit.lower == joint.limit.upper:
             given = [f"{key} {number(value)}" for key, value in _rates(joint) if isfinite(value)]
             only = position(joint.limit.lower, slides=slides)
-            review = f"no range: the description limits it to {only}, as exporters do that know no limits"
+            review = f"no range: the description limits it to {only}, which exporters write for joints without limits"
             review += f"; it has {' and '.join(given)} as well" if given else ""
             limits = None
         is_universal = joint.kind is JointKind.UNIVERSAL

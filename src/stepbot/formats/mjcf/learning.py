@@ -68,7 +68,7 @@ def rejected_by_mjx(robot: Robot) -> str:
     round_ = [name for name, kinds in solids.items() if Cylinder in kinds]
     for one, other in ((one, other) for one in round_ for other in solids if one != other):
         if solids[other] & {Box, MeshRef} and frozenset((one, other)) not in apart:
-            return f"MJX has no contact of a cylinder, as of '{one}', with a box or hull, as of '{other}'"
+            return f"MJX has no contact between a cylinder ('{one}') and a box or hull ('{other}')"
     return ""
 
 

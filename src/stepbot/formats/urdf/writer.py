@@ -80,7 +80,7 @@ EXPRESSES = {
     Feature.ACCELERATION: reported(
         "limits of acceleration, deceleration and jerk are omitted",
         _SMOOTH,
-        "`acceleration`, `deceleration`, `jerk`; a joint without `acceleration` has that which its efforts allow",
+        "`acceleration`, `deceleration`, `jerk`; a joint without `acceleration` has the one that its efforts allow",
     ),
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: lowered("springs are in `<gazebo>`"),
