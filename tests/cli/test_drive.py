@@ -56,6 +56,17 @@ def test_files_are_driven_and_stay_as_they_are(folder: Path, stepbot: Stepbot) -
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
+def test_a_limit_of_what_is_not_measured_is_named(folder: Path, stepbot: Stepbot) -> None:
+    """A robot's own limit of a quantity that a test does not measure is listed, with what it measures."""
+    limits = {"step": {"slip": [1, "of a gripper"], "overshoot": [25, "a rig"]}, "grip": {"slip": [1, "no gripper"]}}
+    (folder / "own.json").write_text(json.dumps({"drive": {"limits": limits}}), encoding="utf-8")
+    ended = stepbot("drive", "arm/one_joint.xml", "--test", "step", "--limits", "own.json", "--json")
+    assert ended.code == 0, ended.out
+    stated = {key: why for key, why in json.loads(ended.out)["inapplicable"].items() if key.startswith("limit of")}
+    assert stated.keys() == {"limit of slip in step"}
+    assert "overshoot" in stated["limit of slip in step"]
+
+
 def test_one_file_and_one_test(folder: Path, stepbot: Stepbot) -> None:
     """An MJCF is driven in MuJoCo alone, with the report beside it; the table has a line per test."""
     run = stepbot("drive", "arm/one_joint.xml", "--test", "step,hold", "--engine", "mujoco")

@@ -20,7 +20,7 @@ from .experiments.base import drop, stand
 from .experiments.grip import grip
 from .experiments.motors import hold, step, sweep, torque, track
 from .experiments.wheels import roll, strafe, turn
-from .judgement import Status, Verdict, judge
+from .judgement import Status, Verdict, judge, unmeasured
 from .limits import Demands
 from .mechanism import Wheels, finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from .plan import ENGINES, TESTS, reasons, ungripped
@@ -88,7 +88,9 @@ class Driven(Struct, frozen=True):
     robot: str
     verdicts: tuple[Verdict, ...] = ()
     inapplicable: Mapping[str, str] = field(default_factory=dict)
-    """Tests that do not apply, each with its reason; ``grip of MOTOR`` where one gripper of several is not tested."""
+    """Tests that do not apply, each with its reason; ``grip of MOTOR`` where one gripper of several is not tested, and
+    ``limit of QUANTITY in TEST`` where the robot's own limit was compared with nothing.
+    """
     not_run: Mapping[str, str] = field(default_factory=dict)
     """Engines that have a file to drive and did not run, each with its reason."""
     ranges: tuple[SweptRange, ...] = ()
@@ -138,9 +140,9 @@ def drive_files(
             for engine, file in files.items()
         }
     )
-    inapplicable = {test: reason for test, reason in why.items() if reason}
-    ranges = survey.ranges if "sweep" in chosen else ()
-    return Driven(robot.name, verdicts, {**inapplicable, **ungripped(survey)}, ranges=ranges)
+    inapplicable = {test: reason for test, reason in why.items() if reason} | dict(ungripped(survey))
+    inapplicable |= unmeasured(demands, verdicts)
+    return Driven(robot.name, verdicts, inapplicable, ranges=survey.ranges if "sweep" in chosen else ())
 
 
 class _Drive:

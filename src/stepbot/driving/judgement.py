@@ -96,6 +96,19 @@ def judge(
         yield Verdict(engine, result.test, status, lost, result, {name: bound.value for name, bound in bounds.items()})
 
 
+def unmeasured(demands: Demands, verdicts: Iterable[Verdict]) -> dict[str, str]:
+    """The robot's own limits that were compared with nothing, each with the reason: no engine measured the quantity."""
+    measured: dict[str, set[str]] = {}
+    for verdict in verdicts:
+        if verdict.result is not None:
+            measured.setdefault(verdict.test, set()).update(measure.quantity for measure in verdict.result.measures)
+    return {
+        f"limit of {quantity} in {test}": f"measured: {', '.join(sorted(measured[test]))}"
+        for test, quantity in demands.stated
+        if test in measured and quantity not in measured[test]
+    }
+
+
 def _excess(measure: Measure, bound: Bound) -> str:
     """A number beyond its limit."""
     unit = UNITS[measure.quantity]

@@ -152,6 +152,8 @@ class Demands(Struct, frozen=True):
     """Mass [kg] of the cube to grip."""
     objects: tuple[Cube, ...] = ()
     """What fingers grip in place of the cube, with its mass."""
+    stated: tuple[tuple[str, str], ...] = ()
+    """Tests and quantities with limits of the robot's own."""
 
 
 def demands(content: Mapping[str, Any] | None) -> Demands:
@@ -190,7 +192,9 @@ def demands(content: Mapping[str, Any] | None) -> Demands:
             if not (isinstance(bound, list) and len(bound) == 2 and _is_number(bound[0]) and str(bound[1]).strip()):
                 raise InvalidLimits(f'limits: {test}: {quantity}: expected [number, "reason"]')
             limits[test][quantity] = Bound(float(bound[0]), str(bound[1]))
-    return Demands(limits, tuple(map(str, tests)), float(mass), _objects(content.get("objects", []), float(mass)))
+    stated = tuple((test, quantity) for test, bounds in given.items() for quantity in bounds)
+    objects = _objects(content.get("objects", []), float(mass))
+    return Demands(limits, tuple(map(str, tests)), float(mass), objects, stated)
 
 
 def _objects(given: object, mass: float) -> tuple[Cube, ...]:
