@@ -58,7 +58,10 @@ def test_files_are_driven_and_stay_as_they_are(folder: Path, stepbot: Stepbot) -
 
 def test_a_limit_of_what_is_not_measured_is_named(folder: Path, stepbot: Stepbot) -> None:
     """A robot's own limit of a quantity that a test does not measure is listed, with what it measures."""
-    limits = {"step": {"slip": [1, "of a gripper"], "overshoot": [25, "a rig"]}, "grip": {"slip": [1, "no gripper"]}}
+    limits = {
+        "step": {"slip": [1, "of a gripper"], "overshoot with other gains": [25, "a rig"]},
+        "grip": {"slip": [1, "no gripper"]},
+    }
     (folder / "own.json").write_text(json.dumps({"drive": {"limits": limits}}), encoding="utf-8")
     ended = stepbot("drive", "arm/one_joint.xml", "--test", "step", "--limits", "own.json", "--json")
     assert ended.code == 0, ended.out
