@@ -1002,6 +1002,29 @@ def test_no_closed_pose_within_limits(tmp_path: Path) -> None:
     assert "widen the limits to include this position" in moved.help[0]
 
 
+_FOUR_BAR = """<mujoco model="robot"><compiler angle="radian"/><worldbody><body name="ground">
+  <geom type="box" size=".2 .02 .02" mass="1"/>
+  <body name="crank" pos="-.1 0 0"><joint name="j1" axis="0 1 0" range="-1 1"/><geom size=".01" pos="0 0 .05" mass="1"/>
+    <body name="coupler" pos="0 0 .1"><joint name="j2" axis="0 1 0"/><geom size=".01" pos=".1 0 0" mass="1"/></body>
+  </body>
+  <body name="rocker" pos=".1 0 0"><joint name="j3" axis="0 1 0"/><geom size=".01" pos="0 0 .05" mass=".1"/></body>
+</body></worldbody>
+<equality><connect body1="coupler" body2="rocker" anchor=".2 0 0"/></equality>
+<keyframe><key name="home" qpos="{}"/></keyframe></mujoco>"""
+
+
+def test_a_loop_that_is_open_in_the_initial_pose_is_closed_near_it(tmp_path: Path) -> None:
+    """A keyframe of two digits opens a four-bar by 4 mm, which MuJoCo pulls together: it starts closed, and says so."""
+    conversion = proven(tmp_path, ".xml", _FOUR_BAR.format("0.4 -0.39 0.37"), "sdf", "mjcf", "urdf")
+    moved = told(conversion, "SB870")
+    assert [text.partition(" taken")[0] for text in moved] == [
+        f"joint '{name}': initial position {q} does not close the loops: {sign}0.386751"
+        for name, q, sign in (("j1", 0.4, ""), ("j3", 0.37, ""), ("j2", -0.39, "-"))
+    ]
+    (tmp_path / "exact").mkdir()
+    assert not told(proven(tmp_path / "exact", ".xml", _FOUR_BAR.format("0.4 -0.4 0.4"), "mjcf"), "SB870")
+
+
 def test_followers_whose_limits_exclude_0(tmp_path: Path) -> None:
     """The leader starts where its follower is within its limits."""
     follower = """<link name="hand">{}</link>

@@ -17,6 +17,7 @@ from stepbot.robot.closures import DoesNotClose, Loops
 from stepbot.robot.kinematics import MOVING, NO_BOUND, complete, displacement, mimic_relation
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link, Robot
+from stepbot.robot.validity import open_closures
 
 from .finding import LOST, MOVED, OPEN_LIMIT, REARRANGED, TAKEN_AS_FIXED, UNSUPPORTED, Finding
 
@@ -309,7 +310,8 @@ def without_broken_mimics(joints: Sequence[Joint], findings: list[Finding]) -> t
 def at_initial(robot: Robot, initial: Mapping[str, float], findings: list[Finding] | None) -> Robot:
     """The robot in the initial pose of its file; with ``findings``, joints outside their limits are moved to them.
 
-    Leaders are moved to where their followers are within limits, too, and the other joints of a loop follow.
+    Leaders are moved to where their followers are within limits, too, and the other joints of a loop follow. Loops that
+    are open are closed near their pose, as engines do in the first steps.
     """
     leaders = [joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None]
     stated = {joint.name: initial.get(joint.name, 0.0) for joint in robot.joints}
@@ -321,8 +323,9 @@ def at_initial(robot: Robot, initial: Mapping[str, float], findings: list[Findin
         joint.name: min(max(stated[joint.name], bounds[joint.name][0]), bounds[joint.name][1]) for joint in leaders
     }
     clamped = {name for name, q in inside.items() if q != stated[name]}
-    loops = Loops(robot) if clamped and robot.closures else None
-    opened = loops is not None and not clamped.isdisjoint(loops.involved)
+    is_open = any(open_closures(robot))
+    loops = Loops(robot) if robot.closures and (clamped or is_open) else None
+    opened = loops is not None and (is_open or not clamped.isdisjoint(loops.involved))
     closed = _closed(loops, stated | inside, clamped, bounds) if loops is not None and opened else stated | inside
     placed = _with_followers(robot, closed or stated | inside)
     for joint in placed.joints:
@@ -330,7 +333,7 @@ def at_initial(robot: Robot, initial: Mapping[str, float], findings: list[Findin
         if joint.name in clamped:
             why = f"is outside the limits {bounds[joint.name][0]:g} to {bounds[joint.name][1]:g}"
         elif joint.kind in MOVING and joint.mimic is None and abs(q - before) > _RESIDUE:
-            why = "does not close the loops where others are within their limits"
+            why = f"does not close the loops{' where others are within their limits' if clamped else ''}"
         elif joint.mimic is not None and joint.name in initial and abs(q - before) > _RESIDUE:
             why = "is not where its mimic puts it"
         else:

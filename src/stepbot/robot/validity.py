@@ -332,19 +332,19 @@ def _check_mimics(robot: Robot, report: Report) -> bool:
 
 def _check_closures(robot: Robot, report: Report) -> None:
     """The two sides of each closure coincide in the drawn pose."""
-    if not robot.closures:
-        return
-    poses = link_poses(robot, initial_configuration(robot))
+    for name, distance, angle in open_closures(robot):
+        message = f"closure '{name}': open by {distance:.3g} m and {angle:.3g} rad in the drawn pose"
+        help = "check `zero` of the joints in the loop, and the closure's origin; in an MJCF, the keyframe `home`"
+        report("SB411", message, help=(help,))
+
+
+def open_closures(robot: Robot) -> Iterator[tuple[str, float, float]]:
+    """The closures whose sides do not meet in the drawn pose: name, distance [m], angle [rad]."""
+    poses = link_poses(robot, initial_configuration(robot)) if robot.closures else {}
     for closure in robot.closures:
         distance, angle = closure_gap(closure, poses[closure.link_a], poses[closure.link_b])
         if distance > CLOSURE_DISTANCE or angle > CLOSURE_ANGLE:
-            report(
-                "SB411",
-                f"closure '{closure.name}': open by {distance:.3g} m and {angle:.3g} rad in the drawn pose",
-                help=(
-                    "check `zero` of the joints in the loop, and the closure's origin; in an MJCF, the keyframe `home`",
-                ),
-            )
+            yield closure.name, distance, angle
 
 
 def _check_contacts(robot: Robot, report: Report) -> None:
