@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
-from stepbot.robot.model import Limit
+from stepbot.robot.model import Joint, JointKind, Limit
 from tests.cli.conftest import Stepbot
 from tests.unit.driving.workbench import HORIZONTAL, VERTICAL, gripper, looped_gripper, one_joint, written
 
@@ -147,6 +147,23 @@ def test_a_file_of_an_earlier_conversion(folder: Path, stepbot: Stepbot) -> None
     run = stepbot("drive", "arm", "--engine", "mujoco", "--json")
     (found,) = json.loads(run.out)["diagnostics"]
     assert (run.code, found["code"], found["message"]) == (2, "SB833", "no file .xml of the report's robot")
+
+
+@pytest.mark.pybullet
+def test_more_joints_than_pybullet_reports(tmp_path: Path, stepbot: Stepbot) -> None:
+    """PyBullet is not run, with the reason; where it alone is asked for, it is an error and not a crash."""
+    robot = one_joint(HORIZONTAL)
+    base, part = robot.links[0], replace(robot.links[-1], collisions=(), visuals=())
+    more = tuple(replace(part, name=f"bolt_{n}") for n in range(127))
+    bolted = (Joint(f"{one.name}_joint", JointKind.FIXED, base.name, one.name) for one in more)
+    written(replace(robot, links=(*robot.links, *more), joints=(*robot.joints, *bolted)), tmp_path / "bolts")
+    reason = "PyBullet reports the state of at most 127 joints, the file has 128"
+    run = stepbot("drive", str(tmp_path / "bolts"), "--test", "drop", "--json")
+    assert json.loads(run.out)["not_run"] == {"pybullet": reason}
+    assert run.code == 0
+    run = stepbot("drive", str(tmp_path / "bolts"), "--test", "drop", "--engine", "pybullet")
+    assert f"error[SB832]: pybullet: {reason}" in run.err
+    assert run.code == 1
 
 
 def test_unknown_test_and_engine(folder: Path, stepbot: Stepbot) -> None:

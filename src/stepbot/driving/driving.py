@@ -47,6 +47,7 @@ def drive(assignment: Assignment) -> tuple[Result | str, ...]:
 
     Raises:
         EngineRefused: The engine does not load the file.
+        EngineCannotRead: It is known not to support it.
     """
     results: list[Result | str] = []
     with printed():
@@ -142,7 +143,7 @@ def drive_files(
     )
     inapplicable = {test: reason for test, reason in why.items() if reason} | dict(ungripped(survey))
     inapplicable |= unmeasured(demands, verdicts)
-    return Driven(robot.name, verdicts, inapplicable, ranges=survey.ranges if "sweep" in chosen else ())
+    return Driven(robot.name, verdicts, inapplicable, drive.not_run, survey.ranges if "sweep" in chosen else ())
 
 
 class _Drive:
@@ -161,6 +162,7 @@ class _Drive:
         self._mechanism, self._files, self._demands, self._diagnostics = mechanism, files, demands, diagnostics
         self._timeout, self._memory_limit, self._facts = timeout, memory_limit, facts
         self.shown = next(iter(files.values())).name
+        self.not_run: dict[str, str] = {}
 
     def survey(self) -> Survey | None:
         """The poses and grasps; None if MuJoCo cannot load the file."""
@@ -189,19 +191,24 @@ class _Drive:
 
     def _judged(self, engine: str, worker: Worker, tests: Sequence[str]) -> list[Verdict]:
         results = self._result(engine, worker)
+        if engine in self.not_run:
+            return []
         if results is None:
             return [Verdict(engine, test, Status.FAILED, "the engine did not finish") for test in tests]
         return list(judge(engine, self._files[engine].name, results, self._demands, self._diagnostics, self._facts))
 
     def _result(self, engine: str, worker: Worker) -> Any:
-        """The result of a worker; None after SB832."""
+        """The result of a worker; None after SB832, or where another engine drives what this one cannot read."""
         span = Span(self._files[engine].name if engine in self._files else self.shown)
         try:
             return worker.result(self._timeout)
         except RemoteError as error:
-            if error.kind != "EngineRefused":
+            if error.kind not in ("EngineRefused", "EngineCannotRead"):
                 raise
-            self._diagnostics.add("SB832", f"{engine}: {error.text}", span)
+            if error.kind == "EngineCannotRead" and len(self._files) > 1:
+                self.not_run[engine] = error.text
+            else:
+                self._diagnostics.add("SB832", f"{engine}: {error.text}", span)
         except WorkerDied as death:
             self._diagnostics.add("SB832", f"{engine}: {death.reason}", span, notes=death.last_lines)
         return None

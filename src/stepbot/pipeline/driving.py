@@ -140,7 +140,7 @@ def _drive_written(
         driven = drive_files(
             document, files, demanded, diagnostics, tests=chosen.tests, timeout=timeout, memory_limit=memory_limit
         )
-        return replace(driven, not_run=not_run)
+        return replace(driven, not_run={**not_run, **driven.not_run})
     except (KeyError, TypeError, ValueError) as error:
         diagnostics.add("SB833", f"{REPORT} is not the report of a robot: {error}", Span((folder / REPORT).as_posix()))
     return None

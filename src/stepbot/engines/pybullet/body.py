@@ -7,6 +7,11 @@ from msgspec import Struct
 
 from stepbot.geometry.spatial import Pose
 
+from ..observation import EngineCannotRead
+
+_MOST_JOINTS = 127
+"""Joints of a body, fixed ones included, of which PyBullet reports a state (``MAX_DEGREE_OF_FREEDOM``)."""
+
 
 class Body(Struct, frozen=True):
     """A loaded body: names, and the inertial frame of each link."""
@@ -56,8 +61,14 @@ def pose(position: Any, xyzw: Any) -> Pose:
 
 
 def body_of(engine: Any, body: int) -> Body:
-    """PyBullet's description of a loaded body."""
-    joints = tuple(engine.getJointInfo(body, index) for index in range(engine.getNumJoints(body)))
+    """PyBullet's description of a loaded body.
+
+    Raises:
+        EngineCannotRead: It has too many joints.
+    """
+    if (count := engine.getNumJoints(body)) > _MOST_JOINTS:
+        raise EngineCannotRead(f"PyBullet reports the state of at most {_MOST_JOINTS} joints, the file has {count}")
+    joints = tuple(engine.getJointInfo(body, index) for index in range(count))
     base, model = engine.getBodyInfo(body)
     links = [base, *(info[12] for info in joints)]
     inertial = [engine.getDynamicsInfo(body, index)[3:5] for index in range(-1, len(joints))]

@@ -77,8 +77,6 @@ _PRINTED = 2e-6
 _HELD = "base not compared: PyBullet fixes a root link without mass"
 _UNSTATED = Surface(0.5, 0.0, 0.0, 0.0)
 """What PyBullet reports for a link without `<contact>`."""
-_MOST_JOINTS = 127
-"""Joints of a body, fixed ones included, of which PyBullet reports a state (``MAX_DEGREE_OF_FREEDOM``)."""
 _TOO_DEEP = "XML_ELEMENT_DEPTH_EXCEEDED"
 _NO_LIMIT = 1e15
 """SDFormat's value for unlimited is 1e16."""
@@ -148,8 +146,6 @@ def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, sh
             bodies = engine.loadSDF(str(path))
         if len(bodies) != 1:
             raise EngineRefused(f"{len(bodies)} models in the file, one expected")
-        if (count := engine.getNumJoints(bodies[0])) > _MOST_JOINTS:
-            raise EngineCannotRead(f"PyBullet reports the state of at most {_MOST_JOINTS} joints, the file has {count}")
         yield body_of(engine, bodies[0])
     except engine.error as error:
         raise EngineRefused(str(error)) from error

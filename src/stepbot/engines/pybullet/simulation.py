@@ -56,6 +56,7 @@ class PybulletSimulation:
 
         Raises:
             EngineRefused: PyBullet does not load it.
+            EngineCannotRead: It has too many joints.
         """
         import pybullet as engine
 
