@@ -13,7 +13,14 @@ from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import printable
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import description_options, reading_options, reject_descriptions, report_trouble, variant_option
+from .reading import (
+    description_options,
+    reading_options,
+    reject_descriptions,
+    reject_one_step_for_all,
+    report_trouble,
+    variant_option,
+)
 from .table import show_joint_rows, write_filled
 from .terminal import Display, show_diagnostics, write_document, write_result
 
@@ -105,7 +112,8 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
     diagnostics = Diagnostics()
     checked: dict[str, Checked] = {}
     failed: set[str] = set()
-    sidecars = tuple(find_sidecars(sidecars or (Path(),), diagnostics))
+    named, sidecars = sidecars, tuple(find_sidecars(sidecars or (Path(),), diagnostics))
+    reject_one_step_for_all(options.step, named, sidecars)
     open_step = fix or step is not None
     if open_step:
         reject_descriptions("--step" if step is not None else "--fix", sidecars)

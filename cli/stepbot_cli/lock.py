@@ -12,7 +12,7 @@ from stepbot.runtime.file import is_folder, resolved
 from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import printable
 from .progress import progress_bar
-from .reading import reading_options, reject_descriptions, report_trouble, variant_option
+from .reading import reading_options, reject_descriptions, reject_one_step_for_all, report_trouble, variant_option
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: Path | None, d
     _reject_whole_disks(named)
     paths = find_sidecars(named, diagnostics)
     reject_descriptions("lock", paths)
+    reject_one_step_for_all(step, named, paths)
     with progress_bar([str(path) for path in paths], options) as progress:
         for sidecar in paths:
             progress(str(sidecar))

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from functools import wraps
 from math import inf, isfinite, nan
 from pathlib import Path
@@ -291,3 +291,20 @@ def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
         name = printable(path.name)
         remedy = f"`stepbot init CAD.step --from {name}` drafts a sidecar of a STEP file from it"
         raise click.UsageError(f"{what} needs a sidecar: {name} is a robot description; {remedy}")
+
+
+def reject_one_step_for_all(step: Path | None, named: Collection[Path], found: Collection[Path]) -> None:
+    """Reject a STEP file for all sidecars of a folder, which would each be compared with it, or locked.
+
+    Args:
+        step: That of the command line, in place of the one in the sidecar.
+        named: The sidecars and folders of the command line.
+        found: The sidecars that these are or contain.
+
+    Raises:
+        click.UsageError: Several sidecars were found, which nobody named.
+    """
+    if step is not None and len(found) > 1 and not {*found} <= {*named}:
+        first = printable(min(found).as_posix())
+        help = f"name the one that describes it, for example `--step {printable(step.as_posix())} {first}`"
+        raise click.UsageError(f"--step {printable(step.name)}: {len(found)} sidecars were found; {help}")

@@ -99,6 +99,18 @@ def test_against_the_step(arm: Path, stepbot: Stepbot, arguments: list[str]) -> 
     assert "error[SB301]: link 'forearm': no component 'forarm' in arm2.step" in run.out
 
 
+def test_one_step_is_not_that_of_all_sidecars_of_a_folder(arm: Path, stepbot: Stepbot) -> None:
+    """A STEP on the command line is compared with, and locked for, the sidecars that are named, and no others."""
+    (arm / "other.robot.yaml").write_text((arm / "arm2.robot.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    for command in (("check", "--fix"), ("check",), ("lock",)):
+        run = stepbot(*command, "--step", "arm2.step")
+        assert run.code == 2
+        named = "name the one that describes it, for example `--step arm2.step arm2.robot.yaml`"
+        assert f"--step arm2.step: 2 sidecars were found; {named}" in " ".join(run.err.split())
+    assert not list(arm.glob("*.lock.json"))
+    assert stepbot("check", "--step", "arm2.step", "arm2.robot.yaml", "other.robot.yaml").code == 0
+
+
 def test_strict_counts_warnings(arm: Path, stepbot: Stepbot) -> None:
     """A clean sidecar stays clean under --strict."""
     assert stepbot("check", "--strict", "arm2.robot.yaml").code == 0
