@@ -1,9 +1,17 @@
 """Joints across a gap: what faces of revolution, cradles and centred faces show, and what they do not."""
 
 from math import pi
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
+from msgspec.structs import replace
 
+from stepbot.draft.evidence.evidence import JointEvidence
+from stepbot.draft.mechanism.gaps import _is_beside_motor
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
 from stepbot.robot.model import JointKind
 from tests.assembled import Node, cut, group, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
@@ -59,6 +67,34 @@ def test_boards_with_equal_cans_turn_on_none_of_them(cans: int, turning: int) ->
         for n, z in enumerate((0, 18))
     ]
     assert len(joints(inferred(*boards))) == turning
+
+
+@pytest.mark.parametrize(
+    ("pair", "others", "is_beside"),
+    [
+        ((2, 3), [], True),  # what is beside the output
+        ((1, 3), [], True),  # beside the case alone
+        ((1, 3), [(2, 3)], False),  # beside both: it is the output's
+        ((1, 3), [(2, 4)], True),
+        ((3, 4), [], False),
+        ((3, 4), [(2, 3)], False),
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_joint_across_a_gap_repeats_that_of_a_motor(
+    pair: tuple[int, int], others: list[tuple[int, int]], *, is_beside: bool, turned: bool
+) -> None:
+    """On the axis of a motor with case 1 and output 2, where one side is on the motor; on another line never."""
+
+    def seam(a: int, b: int, at: float = 0.0) -> JointEvidence:
+        axis = Axis(np.array([at, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+        return JointEvidence(0.6, *((b, a) if turned else (a, b)), JointKind.REVOLUTE, axis, "")
+
+    drive = replace(seam(1, 2), a=1, b=2, drives=True)
+    decision: Any = SimpleNamespace(clusters=Clusters(range(1, 5)), joints=[replace(drive, drives=False), drive])
+    across = [seam(*one) for one in (pair, *others)]
+    assert _is_beside_motor(decision, across[0], across) is is_beside
+    assert not _is_beside_motor(decision, seam(*pair, at=0.01), across)
 
 
 def test_ends_far_apart_show_no_joint() -> None:
