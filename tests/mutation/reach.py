@@ -63,7 +63,7 @@ def marked(source: Path, folder: Path) -> None:
         if found:
             places += found
             at = next((n for n, one in enumerate(tree.body) if not _comes_first(one)), len(tree.body))
-            tree.body[at:at] = ast.parse("from stepbot_reached import RUN as _RUN").body
+            tree.body[at:at] = ast.parse("from stepbot_reached import RUN as _PLACES_RUN").body
             path.write_text(ast.unparse(ast.fix_missing_locations(tree)), encoding="utf-8")
     (source / "stepbot_reached.py").write_text(_MODULE.format(table=_TABLE, count=len(places)), encoding="utf-8")
     rows = [[one.path, one.function, one.first, one.last, list(one.names)] for one in places]
@@ -90,7 +90,7 @@ def _marks(tree: ast.Module, path: str, number: int) -> Iterator[Place]:
             runs = function and block in _BLOCKS and not isinstance(node, ast.ClassDef)
             for run in list(_runs(statements)) if runs else []:
                 yield Place(path, function, run[0].lineno, _last_line(run[-1]), _names(run))
-                mark = ast.parse(f"_RUN[{number}] = 1").body[0]
+                mark = ast.parse(f"_PLACES_RUN[{number}] = 1").body[0]
                 number += 1
                 at = statements.index(run[0])
                 statements.insert(at + 1 if _comes_first(run[0]) and at == 0 else at, mark)
