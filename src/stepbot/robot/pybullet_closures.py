@@ -123,7 +123,7 @@ def add_constraints(body: int, constraints: Iterable[Mapping[str, Any]], client:
     for constraint in constraints:
         a = in_inertial_frame(constraint["link_a"], constraint["frame_a"])
         b = in_inertial_frame(constraint["link_b"], constraint["frame_b"])
-        along = pybullet.multiplyTransforms((0, 0, 0), a[1], constraint["axis"], (0, 0, 0, 1))[0]
+        along = pybullet.rotateVector(a[1], constraint["axis"])
         made.append(
             pybullet.createConstraint(
                 parentBodyUniqueId=body,

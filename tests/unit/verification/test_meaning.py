@@ -1,13 +1,13 @@
 """Numbers of one word that say the same: MuJoCo, which compiles both, is the judge of orientations."""
 
-from math import degrees, pi
+from math import degrees, exp, pi, sqrt
 from random import Random
 
 import numpy as np
 import pytest
 
 from stepbot.engines.description.statements import Statement
-from stepbot.verification.text import means_the_same
+from stepbot.verification.text import _RESHAPED, means_the_same
 
 SEQUENCES = ("xyz", "XYZ", "zyx", "zxz", "ZYZ", "xYz")
 
@@ -91,3 +91,13 @@ def test_a_pose_has_the_words_of_its_format() -> None:
     assert not means_the_same("robot/joint/origin@xyz", "1 0 0", "2 0 0", {})
     assert means_the_same("robot/joint/axis@xyz", "1 0 0", "2 0 0", {})
     assert not means_the_same("robot/joint/axis@xyz", "1 0 0", "-1 0 0", {})
+
+
+@pytest.mark.parametrize("area", [1e-6, 1.0, 1e4])
+@pytest.mark.parametrize(("share", "same"), [(0.5, True), (2.0, False)])
+def test_surfaces_of_meshes_are_compared_by_their_size(share: float, same: bool, area: float) -> None:
+    """What rounded vertices change in areas [m^2] and centroids [m] grows with the mesh; an empty one has no area."""
+    said, off = {"mesh@area": Statement("", repr(area), read=True)}, share * _RESHAPED
+    assert means_the_same("mesh@area", repr(area), repr(area * exp(off)), said) is same
+    assert means_the_same("mesh@centroid", "0 0 0", f"0 {off * sqrt(area)!r} 0", said) is same
+    assert not means_the_same("mesh@area", "0", repr(off), said)

@@ -51,10 +51,10 @@ class BodyRequest(Struct, frozen=True):
 
     tolerances: tuple[MeshTolerance, ...]
     """Of all its occurrences; the finest one applies."""
-    refine_mass_to: float = 0.0
-    area: bool = False
-    faces: bool = False
-    only_mesh: str = ""
+    refine_mass_to: float
+    area: bool
+    faces: bool
+    only_mesh: str
     """Why only a mesh is to be made: what the complete body failed of, for messages."""
 
 
