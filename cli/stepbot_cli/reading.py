@@ -293,18 +293,18 @@ def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
         raise click.UsageError(f"{what} needs a sidecar: {name} is a robot description; {remedy}")
 
 
-def reject_one_step_for_all(step: Path | None, named: Collection[Path], found: Collection[Path]) -> None:
+def reject_one_step_for_all(step: Path | None, named: Collection[Path], paths: Collection[Path]) -> None:
     """Reject a STEP file for all sidecars of a folder, which would each be compared with it, or locked.
 
     Args:
         step: That of the command line, in place of the one in the sidecar.
         named: The sidecars and folders of the command line.
-        found: The sidecars that these are or contain.
+        paths: The sidecars that these are or contain.
 
     Raises:
         click.UsageError: Several sidecars were found, which nobody named.
     """
-    if step is not None and len(found) > 1 and not {*found} <= {*named}:
-        first = printable(min(found).as_posix())
+    if step is not None and len(paths) > 1 and not {*paths} <= {*named}:
+        first = printable(min(paths).as_posix())
         help = f"name the one that describes it, for example `--step {printable(step.as_posix())} {first}`"
-        raise click.UsageError(f"--step {printable(step.name)}: {len(found)} sidecars were found; {help}")
+        raise click.UsageError(f"--step {printable(step.name)}: {len(paths)} sidecars were found; {help}")
