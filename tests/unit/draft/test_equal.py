@@ -11,7 +11,8 @@ from msgspec.structs import replace
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.equal import EqualParts
-from stepbot.draft.parts.scene import Scene
+from stepbot.draft.parts.scene import Scene, own_axes
+from stepbot.geometry.spatial import Pose
 from stepbot.geometry.volume import VolumeProperties
 from tests.assembled import BARE, Node, assembled, inferred, joints, part, reexported
 from tests.solids import Solid, box, cylinder
@@ -38,6 +39,19 @@ def flange() -> Solid:
 def equal(*nodes: Node) -> EqualParts:
     """The parts of some nodes by kinds; their numbers are those of the nodes, from 1."""
     return EqualParts(Scene(assembled(*nodes)), {})
+
+
+@pytest.mark.parametrize(
+    "solid", [bracket(), flange(), box(30, 20, 10), cylinder(5, 20)], ids=["bracket", "flange", "box", "rod"]
+)
+@pytest.mark.parametrize("rpy", [(0.0, 0.0, 0.0), (0.0, 0.4, 0.0), ODD])
+def test_own_axes_are_a_frame_that_turns_with_the_body(solid: Solid, rpy: tuple[float, float, float]) -> None:
+    """Along its faces, however it is drawn; a rod has one axis, and any two across it."""
+    X = Pose.from_xyz_rpy((1.0, 2.0, 3.0), rpy)
+    before, axes = (own_axes(assembled(part("a", one)).bodies[0]) for one in (solid, solid.moved(X.matrix)))
+    assert axes.T @ axes == pytest.approx(np.eye(3), abs=1e-9)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assert np.abs((X.R @ before).T @ axes).max() == pytest.approx(1.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence, Priority
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
-from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
@@ -381,7 +381,7 @@ def _crossing(r: Relation, s: Relation) -> np.ndarray | None:
     """The point where the axes of two relations intersect at a right angle."""
     assert r.axis is not None
     assert s.axis is not None
-    if abs(float(r.axis.d @ s.axis.d)) > 1e-3 or are_parallel(r.axis.d, s.axis.d):
+    if abs(float(r.axis.d @ s.axis.d)) > 1e-3:
         return None
     normal = np.cross(r.axis.d, s.axis.d)
     between = s.axis.point - r.axis.point
