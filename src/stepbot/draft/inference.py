@@ -155,7 +155,7 @@ def _arranged(decision: Decision, structure: Structure, motors: list[Motor], fac
     number = {cluster: n for n, cluster in enumerate(groups)}
     joints = one_per_pair([j for j in mechanism.joints if j.a != j.b])
     arcs = spanning_tree(joints, number, number[decision.clusters.find(root)])
-    choose_slides(decision.survey, arcs)
+    choose_slides(arcs)
     note_doubts(arcs, structure, lambda i: number[decision.clusters.find(i)], has_drives=bool(motors))
     largest = {
         root: max(members, key=lambda i: (decision.survey.parts[i].volume, -i)) for root, members in groups.items()

@@ -1,9 +1,15 @@
 """Parts without a connection: placeholders, wheels and fingers by name, small parts."""
 
+import pytest
+from msgspec.structs import replace
+
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
+from stepbot.draft.inference import infer_mechanism
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
-from tests.assembled import assembled, group, inferred, joints, links, part
+from stepbot.step.assembly import BodyKind
+from tests.assembled import Node, assembled, group, inferred, joints, links, part
 from tests.made.kit import across
 from tests.solids import box, cylinder
 
@@ -111,3 +117,40 @@ def test_a_mechanism_beside_a_large_body_without_joints_gets_a_placeholder() -> 
     arm = part("arm", box(80, 20, 6).at(30, 0, 8) + cylinder(3.9, 20).at(0, 0, -10), z=200)
     found = inferred(part("chassis", CHASSIS), hinge, arm)
     assert sorted(str(arc.evidence.type) for arc in found.arcs) == ["fixed", "revolute"]
+
+
+def pendulum(name: str, x: float, length: float) -> list[Node]:
+    """An arm on a pin between two cheeks of a base, all of it around x [mm]."""
+    base = box(80, 120, 10).at(0, 0, 5)
+    for y in (-20, 20):
+        base = base + box(30, 12, 150).at(0, y, 80)
+    arm = box(24, 20, length).at(0, 0, 140 - 0.45 * length) - across(4.1, 100, z=140)
+    solids = {"stand": base - across(4, 100, z=140), "arm": arm, "pin": across(4, 70, z=140)}
+    return [part(f"{name} {what}", solid, x) for what, solid in solids.items()]
+
+
+@pytest.mark.parametrize("is_grouped", [False, True])
+def test_mechanisms_that_stand_apart_are_each_on_the_ground(is_grouped: bool) -> None:
+    """Two pendulums of unequal arms, also as a subassembly each: two hinges, and a fixed joint between what stands."""
+    sides = [pendulum("A", 0, 110), pendulum("B", 400, 80)]
+    nodes = [group(f"machine {n}", *side) for n, side in enumerate(sides)] if is_grouped else [*sides[0], *sides[1]]
+    found = infer_mechanism(assembled(*nodes, is_meshed=True))
+    assert [(kind, a.split()[-1], b.split()[-1]) for kind, a, b in joints(found)] == [("revolute", "arm", "stand")] * 2
+    (fixed,) = (arc for arc in found.arcs if arc.evidence.type == JointKind.FIXED)
+    assert fixed.parent == found.root
+    assert fixed.evidence.review == "stands beside the root on one ground: it may be a robot of its own"
+    stands = [{found.survey.parts[i].path.split()[-1] for i in found.links[n]} for n in (fixed.parent, fixed.child)]
+    assert stands == [{"stand", "pin"}] * 2
+
+
+def test_bodies_without_volume_are_of_the_part_that_they_are_bodies_of() -> None:
+    """A dial drawn as surfaces, with a shaft in a plate, is no link that turns there, but one with its case."""
+    case = Node("case", box(30, 60, 30).shape, X=Pose.from_xyz_rpy((0.04, 0, 0.015), (0, 0, 0)))
+    dial = Node("dial", (cylinder(15, 10) + cylinder(5, 8).at(0, 0, -8)).shape)
+    plate = box(120, 60, 8).at(0, 0, -4) - cylinder(5.1, 8).at(0, 0, -8)
+    bar = group("arm", part("plate", plate), part("block", box(20, 60, 60).at(-50, 0, 30)))
+    drawn = assembled(bar, Node("camera", children=[case, dial], has_bodies=True), part("base", CHASSIS, x=400))
+    hollow = next(c.body for c in drawn.components if c.path == "camera/dial")
+    bodies = [replace(b, exact=None, kind=BodyKind.SURFACE) if n == hollow else b for n, b in enumerate(drawn.bodies)]
+    found = infer_mechanism(replace(drawn, bodies=tuple(bodies)))
+    assert any({"camera/case", "camera/dial"} <= link for link in links(found))

@@ -38,6 +38,24 @@ def test_two_cheeks_on_one_pin_are_one_link() -> None:
     assert [kind for kind, *_ in joints(found)] == ["revolute"]
 
 
+def test_two_sides_with_the_same_hinges_are_one_link() -> None:
+    """Two bars far apart, each on bearings on the same two lines of two others, move as one: a chain, no loop."""
+    lines, ring = (0.0, 150.0), turned(cylinder(11, 7) - cylinder(4, 7), y=3.5, rpy=ALONG_Y)
+    ends, bars = [], []
+    for x, name in zip(lines, ("base", "tip"), strict=True):
+        rod = turned(cylinder(4, 120), y=60, rpy=ALONG_Y).at(x, 0, 0)
+        ends.append(part(name, rod + box(60, 80, 60 if x else 120).at(x, 0, 0)))
+    for y in (-52, 52):
+        bar = box(190, 7, 30).at(75, y, 0)
+        for n, x in enumerate(lines):
+            bar = cut(bar, turned(cylinder(11, 7), y=3.5, rpy=ALONG_Y).at(x, y, 0))
+            bars.append(part(f"608ZZ {n} {y}", ring, x, y))
+        bars.append(group(f"side {y}", part("bar", bar), part("lug", box(20, 7, 20).at(75, y, 25))))
+    found = inferred(*ends, *bars)
+    assert [kind for kind, *_ in joints(found)] == ["revolute", "revolute"]
+    assert any({"side -52/bar", "side 52/bar"} <= link for link in links(found))
+
+
 @pytest.mark.parametrize(("holes", "screws"), [(4, 0), (0, 0), (4, 4)])
 def test_a_tool_flange_at_the_end_of_a_chain_turns(holes: int, screws: int) -> None:
     """A disc with a free circle of holes is where a tool goes; one without, or with its screws drawn, is a lid."""

@@ -163,3 +163,19 @@ def test_a_plate_under_the_teeth_of_a_pinion_is_not_on_it() -> None:
     tree = group("base unit", part("base", base), part("Nema 17 motor", motor), part("motor pinion", pinion))
     found = inferred(tree, group("table unit", part("table", table)))
     assert not any("table unit/table" in link and "base unit/motor pinion" in link for link in links(found))
+
+
+def test_a_horn_by_name_turns_and_screws_in_the_ears_of_a_servo_do_not() -> None:
+    """Screws without a name are in the case and in the plate below it; the horn shares only the line of a bore."""
+    case = box(23, 12, 22).at(-5.5, 0, -11) + box(33, 12, 2.5).at(-5.5, 0, -6) - cylinder(2.4, 3).at(0, 0, -3)
+    plate = box(80, 40, 4).at(-5.5, 0, -9.25) - box(23.2, 12.2, 4).at(-5.5, 0, -9.25)
+    for x in (-19.5, 8.5):
+        case, plate = case - cylinder(1, 2.5).at(x, 0, -7.25), plate - cylinder(1, 4).at(x, 0, -11.25)
+    horn = box(40, 6, 2).at(0, 0, 4) - cylinder(2.4, 2).at(0, 0, 3)
+    bodies = [Node("case", case.shape), Node("shaft", cylinder(2.2, 6).at(0, 0, -2).shape)]
+    screw = cylinder(1, 10).at(0, 0, -14.75) + cylinder(1.9, 1.5).at(0, 0, -4.75)
+    screws = [part(f"x {x}", screw, x) for x in (-19.5, 8.5)]
+    found = inferred(part("plate", plate), Node("SG90", children=bodies, has_bodies=True), *screws, part("Horn", horn))
+    assert joints(found) == [("revolute", "Horn", "plate")]
+    x, y, _ = found.arcs[0].evidence.axis.point
+    assert max(abs(x), abs(y)) < 1e-9

@@ -5,8 +5,9 @@ from math import pi
 import numpy as np
 import pytest
 
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.robot.model import JointKind
-from tests.assembled import BARE, Node, inferred, joints, part, turned
+from tests.assembled import BARE, Node, cut, group, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cone, cylinder
 
 COUNT = 6
@@ -50,6 +51,27 @@ def test_rollers_are_around_the_hub_beside_a_larger_motor_and_their_pins_are_non
     assert sorted(
         found.survey.parts[i].path for h in rollers for i in (h.a, h.b) if found.survey.parts[i].path != "hub"
     ) == [f"roller {n}" for n in range(COUNT)]
+
+
+@pytest.mark.parametrize("sources", [BARE, ALL_SOURCES])
+def test_rollers_on_pins_in_the_discs_of_their_hub_turn(sources: Sources) -> None:
+    """What is held about its own axis alone, and repeated around a wheel, turns there; its pin is of the hub."""
+    tilted = [turned(cylinder(1.5, 40).at(0, 0, -20), 38, 0, 0, (pi / 4, 0, 0))]
+    roller = turned(cylinder(6, 24).at(0, 0, -12) - cylinder(1.55, 24).at(0, 0, -12), rpy=(pi / 4, 0, 0))
+    pin = turned(cylinder(1.5, 40).at(0, 0, -20), rpy=(pi / 4, 0, 0))
+    hub = cylinder(14, 30).at(0, 0, -15) + cylinder(46, 3).at(0, 0, -15) + cylinder(46, 3).at(0, 0, 12)
+    nodes = []
+    for n in range(COUNT):
+        angle = 2 * pi * n / COUNT
+        hub = cut(hub, *(turned(one, rpy=(0, 0, angle)) for one in tilted))
+        at = (38 * np.cos(angle), 38 * np.sin(angle), 0, (0, 0, angle))
+        nodes += [part(f"roller {n}", roller, *at), part(f"pin {n}", pin, *at)]
+    found = inferred(BASE, group("wheel", part("hub", hub), *nodes), sources=sources)
+    held = [arc.evidence for arc in found.arcs if arc.evidence.of_roller]
+    assert len(held) == COUNT
+    assert {h.review for h in held} == {"held about its own axis alone: it may be fastened there"}
+    pins = {f"wheel/pin {n}" for n in range(COUNT)}
+    assert any({"wheel/hub", *pins} <= link for link in links(found))
 
 
 @pytest.mark.parametrize("nodes", [wheel(0.0), wheel(0.0, radial=True), wheel(pi / 4, count=4)])

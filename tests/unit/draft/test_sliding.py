@@ -1,5 +1,7 @@
 """Swivels, struts and slides: what a shaft in a bore is between other joints."""
 
+from math import pi
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from stepbot.draft.mechanism.locked import slide_in_struts, stop_spinning_rods
 from stepbot.draft.mechanism.loops import TreeJoint, loop_motions
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
-from tests.assembled import inferred, joints, links, part
+from tests.assembled import inferred, joints, links, part, turned
 from tests.solids import box, cylinder, sphere
 
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -86,3 +88,13 @@ def test_a_stud_between_two_balls_on_its_axis_is_fixed(ends: tuple[float, ...]) 
     found = inferred(*nodes)
     assert [kind for kind, *_ in joints(found)].count("ball") == len(ends)
     assert any({"arm", "x"} <= link for link in links(found)) == (len(ends) == 2)
+
+
+def test_a_name_makes_no_pin_a_slide() -> None:
+    """A rod that turns on a long pin between two cheeks, 0.5 mm beside each, has no travel along it."""
+    yoke = box(20, 60, 60).at(-30, 0, 0)
+    for y in (-25.5, 25.5):
+        yoke = yoke + box(60, 10, 40).at(0, y, 0)
+    yoke = yoke + turned(cylinder(4, 60).at(0, 0, -30), rpy=(pi / 2, 0, 0))
+    rod = box(112, 40, 20).at(44, 0, 0) - turned(cylinder(4.1, 40).at(0, 0, -20), rpy=(pi / 2, 0, 0))
+    assert joints(inferred(part("yoke", yoke), part("piston rod", rod))) == [("revolute", "piston rod", "yoke")]

@@ -37,6 +37,7 @@ from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import ANGLE_TOLERANCE, DISTANCE_TOLERANCE
+from stepbot.step.features.ground import grounds
 
 _BALL = 0.3
 """Ratio of the radius of a ball and the size of its stud, up to which it is no spherical washer."""
@@ -272,13 +273,39 @@ class Survey:
         return list(find_rack_meshes(self.scene, self.gears, racks))
 
     @cached_property
-    def tops(self) -> set[int]:
-        """The highest component with more than one child, and those above it: they are no link."""
-        top, tops = 0, {-1, 0}
-        children = self.assembly.children
+    def top(self) -> int:
+        """The highest component with more than one child."""
+        top, children = 0, self.assembly.children
         while len(children[top]) == 1 and children[children[top][0]]:
             top = children[top][0]
-            tops.add(top)
+        return top
+
+    @cached_property
+    def tops(self) -> set[int]:
+        """Components that are no link: the highest one with more than one child, those above it, and machines in it.
+
+        A machine is a subassembly that touches nothing else, and stands on the ground beside all of it.
+        """
+        tops, above = {-1, 0, self.top}, self.assembly.components[self.top].parent
+        while above > 0:
+            tops.add(above)
+            above = self.assembly.components[above].parent
+        ground: tuple[str, Mapping[int, float]] | None = None
+        for index in self.assembly.children[self.top] if self.sources.tree else ():
+            inside = {i for i in self.assembly.subtree(index) if i in self.parts}
+            outside = [i for i, part in self.parts.items() if part.size and i not in inside]
+            if not outside or not any(self.assembly.components[i].product for i in self.assembly.children[index]):
+                continue
+            if any(r.other(i) not in inside for i in inside for r in self.near.get(i, ())):
+                continue
+            if ground is None:
+                every = grounds(self.assembly).items()
+                ground = max(every, key=lambda one: exact_sum(one[1].values()), default=("z", {}))
+            level = [k for k in range(3) if "xyz"[k] != ground[0][-1]]
+            (low, high), boxes = self.box_of(inside)[:, level], np.array([self.parts[i].box for i in outside])
+            is_beside = np.any((boxes[:, 0, level] > high) | (boxes[:, 1, level] < low), axis=1)
+            if not inside.isdisjoint(ground[1]) and bool(is_beside.all()):
+                tops.add(index)
         return tops
 
     def islands(self, members: Iterable[int]) -> list[list[int]]:

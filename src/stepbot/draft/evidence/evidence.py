@@ -7,13 +7,16 @@ offered as a comment.
 from collections.abc import Collection
 from enum import IntEnum, StrEnum
 
+import numpy as np
 from msgspec import Struct, field
 
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.draft import CHOSEN, SURE
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.robot.model import JointKind
 
+SAME_AXIS, SAME_CENTRE = 5e-5, 1e-4
+"""Distances [m] up to which two axes are one: of joints of one pair, and of two bodies that turn on the same one."""
 BY_SHAPE = "guessed from its shape; no contact shows this joint"
 BY_NAME = "guessed from its name; no contact shows this joint"
 """What to review of a joint that nothing in the drawing shows."""
@@ -147,3 +150,12 @@ class Evidence(Struct, eq=False):
     def mechanisms(self) -> set[tuple[int, int]]:
         """Pairs of parts with a joint that is strong enough to be drafted."""
         return {(h.a, h.b) for h in self.joints if h.score >= CHOSEN}
+
+
+def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
+    """Whether two joints between the same bodies are one."""
+    if one.type == two.type == JointKind.PRISMATIC:
+        return are_parallel(one.axis.d, two.axis.d)
+    if {one.type, two.type} & {JointKind.UNIVERSAL, JointKind.BALL}:
+        return one.type != two.type or float(np.linalg.norm(one.axis.point - two.axis.point)) < SAME_CENTRE
+    return one.axis.same(two.axis, SAME_AXIS)

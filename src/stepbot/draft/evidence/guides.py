@@ -19,8 +19,6 @@ from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 
-_KEYED = 0.86
-"""Score of the weld of a key in its slots."""
 REVIEW = "captured on four sides and free along one direction: it may be fastened"
 """What to review of each slide in a profile."""
 _PROFILE, _LOOSE, _TIGHT, _ACROSS = 0.77, 0.72, 0.67, 0.05
@@ -73,9 +71,6 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidenc
             continue
         if structure is not None and structure.are_together(*pair):
             continue
-        if _is_key(survey, pair, captured.axis):
-            evidence.weld(_KEYED, *pair, "a key between a shaft and what is around it")
-            continue
         roles = {role for i in pair for role in survey.parts[i].roles}
         if Role.BEAM in roles and roles.isdisjoint((Role.SLIDE, Role.JAW)):
             score = _OFFERED  # screwed tight in its slots
@@ -88,21 +83,6 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidenc
         why = "captured on four sides" + (" with clearance" if captured.has_play else "")
         relation = survey.relation(*pair)
         evidence.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))
-
-
-def _is_key(survey: Survey, pair: Pair, axis: Axis) -> bool:
-    """Whether the smaller one of two parts lies in slots of a shaft and of what is around it, along their line."""
-    key, other = sorted(pair, key=lambda i: (survey.parts[i].volume, i))
-    middle, reach = survey.parts[key].com, 0.5 * float(survey.scene.extent(key).max())
-    low, high = survey.scene.span(key, axis.d)
-    for beside, r in survey.around(other):
-        start, end = survey.scene.span(beside, axis.d)
-        if beside != key and start < high and low < end and survey.parts[beside].volume > survey.parts[key].volume:
-            for fit in r.shafts:
-                off = abs(fit.axis.distance(middle) - fit.radius)
-                if fit.axis.is_along(axis.d) and off < min(reach, 0.5 * fit.radius):
-                    return True
-    return False
 
 
 def _is_flush(survey: Survey, pair: Pair, axis: Axis) -> bool:

@@ -15,7 +15,7 @@ from stepbot.draft.contacts.relations import Relation, Via, is_even, merged, rea
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, is_beside, through
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, is_beside, is_through_mount, through
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -76,12 +76,14 @@ class OutputAxes:
         for motor in motors:
             of_case = votes[survey.equal.kind(motor.case)]
             for other, r in survey.around(motor.case):
-                if other in motor.parts or r.via not in _WEIGHTS or r.axis is None:
+                is_horn = r.via == Via.BOLT and motor.is_named and Role.HORN in survey.parts[other].roles
+                if other in motor.parts or r.axis is None or not (is_horn or r.via in _WEIGHTS):
                     continue
-                if r.via == Via.RING and not is_even(r, r.axis):
-                    continue  # the ears of a servo, at the corners of a rectangle
+                is_ears = r.via == Via.RING and not is_even(r, r.axis)  # at the corners of a rectangle
+                if is_ears or is_through_mount(survey, motor, other, r.axis):
+                    continue
                 local = survey.equal.axes(motor.case, r.axis)
-                ballot = _WEIGHTS[r.via], max(r.radius, r.ring_radius, reach(r.axis, [r]))
+                ballot = _WEIGHTS.get(r.via, 2), max(r.radius, r.ring_radius, reach(r.axis, [r]))
                 for axis, ballots in of_case:
                     if any(axis.same(one, SAME_AXIS) for one in local):
                         ballots.append(ballot)

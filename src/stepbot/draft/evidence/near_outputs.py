@@ -117,6 +117,17 @@ def _is_boss(survey: Survey, fit: Fit) -> bool:
     return False
 
 
+def is_through_mount(survey: Survey, motor: Motor, part: int, axis: Axis) -> bool:
+    """Whether a shaft in a motor's case is also in what lies on the case, as a screw is: nothing turns there."""
+    return any(
+        host not in motor.parts
+        and any(fit.shaft == part and fit.axis.same(axis) for fit in r.shafts)
+        and (on_case := survey.relation(host, motor.case)) is not None
+        and bool(on_case.patches)
+        for host, r in survey.around(part)
+    )
+
+
 class NearOutput:
     """What is nearly on the output of one motor."""
 

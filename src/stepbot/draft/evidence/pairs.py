@@ -4,8 +4,6 @@ from collections import defaultdict
 from collections.abc import Collection
 from itertools import combinations
 
-import numpy as np
-
 from stepbot.draft.contacts.concentric import patch_lies_about
 from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind
@@ -16,7 +14,7 @@ from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
-from stepbot.geometry.spatial import cross, perpendicular_frame, unit
+from stepbot.geometry.spatial import cross, unit
 from stepbot.robot.model import JointKind
 
 _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong to it"
@@ -24,8 +22,6 @@ _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong t
 _REVIEW_TUBES = "a round tube in another one: it may turn, too"
 _TUBE, _WALL = 4.0, 0.5
 """Engaged length of tubes, in radii, from which one slides in the other; radius of the bore of a tube, in its own."""
-_LONG_TUBE, _THIN = 2.0, 0.4
-"""Length in widths from which a tube is a structural one; radius of its bore, in widths."""
 _NEAR, _NEAR_ACROSS = 0.6, 0.72
 """Scores of a hinge about a shaft that is drawn off its bore, within a subassembly and between two."""
 _REVIEW_NEAR = "the two are drawn off each other, so that their common axis is a guess"
@@ -55,6 +51,8 @@ _CLAMPED = 0.74
 """Score of the weld of a round body in a clamp."""
 _MIDDLE = 1e-4
 """Distance [m] from the middle of a ball up to which a bore is through it."""
+_KEYED = 0.86
+"""Score of the weld of a shaft that neither turns nor has play in its bore: it transmits torque."""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -165,6 +163,10 @@ class PairEvidence:
         return bolted - {socket.a, socket.b}
 
     def _slide(self, r: Relation) -> None:
+        first = r.shafts[0].axis if r.shafts else None
+        if first is not None and all(fit.axis.same(first) and fit.clearance < _EXACT for fit in r.shafts):
+            self._weld(r, _KEYED, "a shaft with a flat or key in a bore of its form, without play")
+            return
         if all(fit.length < SPIGOT * fit.radius for fit in r.shafts):
             self._weld(r, 0.82, "centred by spigots on several lines")
             return
@@ -206,8 +208,6 @@ class PairEvidence:
         if is_exact and self._turns_with(r):
             score -= 0.3
             self._weld(r, _SERIES, "as thick as its bore, and on a line with what turns with play")
-        elif is_exact and _is_plugged(self._survey, r):
-            self._weld(r, _SERIES, "a long tube on a plug in its end, without play")
         elif not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
@@ -371,19 +371,6 @@ def _is_telescope(r: Relation) -> bool:
         for fit in r.journals
         for hollow in tubes
     )
-
-
-def _is_plugged(survey: Survey, r: Relation) -> bool:
-    """Whether a long thin tube is around a shorter end of another part: a structural tube in its socket."""
-    fit = max(r.shafts, key=lambda f: f.length)
-    tube = r.other(fit.shaft)
-    assert r.axis is not None
-    (low, high), (start, end) = (survey.scene.span(i, r.axis.d) for i in (tube, fit.shaft))
-    across = perpendicular_frame(r.axis.d)[:, 0]
-    width = float(np.ptp(survey.scene.span(tube, across)))
-    is_thin = fit.radius > _THIN * width and survey.parts[tube].is_balanced(r.axis)
-    is_end = start < low or high < end
-    return is_thin and is_end and high - low > _LONG_TUBE * width and fit.length < 0.5 * (high - low)
 
 
 def _is_centred(axis: Axis, socket: Relation) -> bool:

@@ -1,8 +1,8 @@
 """Rollers of omnidirectional wheels: equal round bodies around a hub that turn about axes of their own.
 
-Rollers are often drawn without their pins, so nothing touches them. Their axes are normal to the hub's radius and
-inclined to its axis: those of bearing rollers and spacers are parallel to it, those of spokes and dowels are along the
-radius.
+Rollers touch nothing, as often drawn without their pins, or are held about their own axes alone. These are normal to
+the hub's radius and inclined to its axis: those of bearing rollers and spacers are parallel to it, those of spokes and
+dowels are along the radius.
 
 Wheels of a carriage run on both sides of a long body, in its grooves or on its edges: the carriage slides along it.
 """
@@ -16,7 +16,7 @@ from msgspec import Struct
 from stepbot.draft.contacts.concentric import fitted_circle
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import CHOSEN
-from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvidence, Priority
+from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvidence, Priority, Weld
 from stepbot.draft.evidence.wheels import TREAD
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import box_gaps
@@ -36,6 +36,10 @@ _BESIDE = 0.5
 """Gap between a roller and its hub, as a share of the roller's size."""
 _LARGEST = 0.05
 """Share of the assembly's volume up to which a body may be a roller."""
+_PIN = 0.78
+"""Score of the weld of a roller's pin and its hub."""
+_HELD = "held about its own axis alone: it may be fastened there"
+"""What to review of each roller that touches something."""
 REVIEW = "wheels on both sides of it: it may be fastened otherwise"
 """What to review of each slide on wheels."""
 _ON_RAIL, _OFF_RAIL = 0.77, 0.785
@@ -51,6 +55,13 @@ class _Roller(Struct, frozen=True, eq=False):
     axis: Axis
     """Through its centroid."""
     volume: float
+    held_by: tuple[int, ...]
+    """Larger parts that it touches, such as its pin."""
+
+
+def _may_hold(survey: Survey, hub: int, roller: _Roller) -> bool:
+    """Whether nothing holds a roller, or the hub, or a part that touches the hub."""
+    return not roller.held_by or any(i == hub or survey.relation(hub, i) is not None for i in roller.held_by)
 
 
 def roller_evidence(survey: Survey, evidence: Evidence) -> None:
@@ -66,7 +77,9 @@ def roller_evidence(survey: Survey, evidence: Evidence) -> None:
         around = _beside(survey, free, hub) if hub not in survey.small else []
         for axis in survey.turned[hub] if len(around) >= _FEWEST else ():
             low, high = survey.scene.span(hub, axis.d)
-            level = [roller for roller in around if low < float(roller.axis.point @ axis.d) < high]
+            level = [
+                one for one in around if low < float(one.axis.point @ axis.d) < high and _may_hold(survey, hub, one)
+            ]
             # The larger ones first: their pins are in them.
             for rollers in sorted(_patterns(level, axis), key=lambda some: -some[0].volume):
                 if any(roller.axis.same(known) for roller in rollers for known in pinned):
@@ -77,11 +90,17 @@ def roller_evidence(survey: Survey, evidence: Evidence) -> None:
                 why = f"one of {len(rollers)} equal rollers around '{survey.parts[hub].path}'"
                 for roller in rollers:
                     a, b = sorted((hub, roller.part))
+                    review = _HELD if survey.near.get(roller.part) else BY_SHAPE
                     hinge = JointEvidence(
-                        0.6, a, b, JointKind.REVOLUTE, roller.axis, why, of_roller=True, review=BY_SHAPE
+                        0.6, a, b, JointKind.REVOLUTE, roller.axis, why, of_roller=True, review=review
                     )
                     hinge.priority = Priority.NEEDED
                     evidence.joint(hinge)
+                    evidence.welds += [
+                        Weld(_PIN, min(hub, pin), max(hub, pin), "a pin of a roller", priority=Priority.NEEDED)
+                        for pin in roller.held_by
+                        if pin != hub and survey.relation(hub, pin) is not None
+                    ]
 
 
 def rail_evidence(survey: Survey, evidence: Evidence) -> None:
@@ -139,15 +158,16 @@ def _beside(survey: Survey, rollers: Sequence[_Roller], hub: int) -> list[_Rolle
 
 
 def _roller(survey: Survey, index: int) -> _Roller | None:
-    """A body that touches nothing and is symmetric about the axis of a round face or a round outline."""
+    """A body that is symmetric about the axis of a round face or outline, and held about it alone, if at all."""
     part = survey.parts[index]
-    if survey.near.get(index) or index in survey.small or not 0.0 < part.volume < _LARGEST * survey.volume:
+    if index in survey.small or not 0.0 < part.volume < _LARGEST * survey.volume:
         return None
+    around = dict(survey.around(index))
+    held = [relation.turns for relation in around.values()]
     for axis in (*survey.turned.get(index, ())[:3], *_outlined(survey, index)):
-        if part.is_balanced(axis):
-            return _Roller(
-                index, Axis(axis.point + axis.d * float((part.com - axis.point) @ axis.d), axis.d), part.volume
-            )
+        if part.is_balanced(axis) and all(line is not None and line.same(axis) for line in held):
+            centre = axis.point + axis.d * float((part.com - axis.point) @ axis.d)
+            return _Roller(index, Axis(centre, axis.d), part.volume, tuple(around))
     return None
 
 

@@ -35,7 +35,7 @@ class Structure:
         self.groups: list[int] = []
         """Components with several larger parts that look like links."""
         if survey.sources.tree:
-            self._visit(self._top(), mechanisms | self._moving_pairs())
+            self._visit(survey.top, mechanisms | self._moving_pairs())
 
     def are_across(self, a: int, b: int) -> bool:
         """Whether the tree puts two parts in different links, at least one of which is a subassembly."""
@@ -74,14 +74,6 @@ class Structure:
                         evidence.weld(_TOGETHER, near, i, why)
                 if near != first:
                     evidence.weld(_APART, first, near, why)
-
-    def _top(self) -> int:
-        """The highest component with more than one child."""
-        top = 0
-        children = self._assembly.children
-        while len(children[top]) == 1 and children[children[top][0]]:
-            top = children[top][0]
-        return top
 
     def _moving_pairs(self) -> set[tuple[int, int]]:
         """Parts that slide or swivel in each other, and those whose teeth mesh."""
@@ -128,7 +120,8 @@ class Structure:
                 continue
             inside = set(members)
             is_assembly = bool(self._assembly.children[child]) and self._assembly.components[child].body < 0
-            if is_assembly and (any(i in inside and j in inside for i, j in mechanisms) or self._is_folder(members)):
+            moves = any(i in inside and j in inside for i, j in mechanisms)
+            if is_assembly and (moves or child in self._survey.tops or self._is_folder(members)):
                 self._visit(child, mechanisms)
                 continue
             self.link_of.update(dict.fromkeys(members, child))

@@ -215,14 +215,24 @@ def _nearest_apart(decision: Decision, own: Sequence[int], reach: float) -> int 
 
 
 def _join_surfaces(decision: Decision) -> set[int]:
-    """Join surface bodies that nothing holds to the solid of the part that they belong to; returns them."""
+    """Join bodies without volume to the other bodies of the part that they belong to; returns them.
+
+    Nothing without mass is a link: a joint that such a body alone has is one of its part, or none.
+    """
     clusters, parts, joined = decision.clusters, decision.survey.parts, set()
     for i, part in parts.items():
-        if part.volume or len(clusters.members(i)) > 1:
+        if part.volume or any(parts[k].volume for k in clusters.members(i)):
             continue
-        solids = [k for k in decision.survey.bodies_of_same_part(i) if parts[k].volume]
-        if solids and len({clusters.find(k) for k in solids}) == 1 and clusters.join(solids[0], i):
-            joined.add(i)
+        inside = clusters.members(i)
+        others = [k for k in decision.survey.bodies_of_same_part(i) if k not in inside]
+        others = [k for k in others if parts[k].volume] or others
+        if others and len({clusters.find(k) for k in others}) == 1:
+            clusters.allow(others[0], i)
+            if clusters.join(others[0], i):
+                joined.add(i)
+    for h in decision.joints:
+        if clusters.find(h.a) == clusters.find(h.b):
+            h.verdict = Verdict.REFUSED
     return joined
 
 

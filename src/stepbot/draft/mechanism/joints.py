@@ -14,20 +14,18 @@ from msgspec import Struct
 
 from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.contacts.relations import Via
-from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
+from stepbot.draft.evidence.evidence import SAME_AXIS, SAME_CENTRE, JointEvidence, Priority, Verdict, same_joint
 from stepbot.draft.evidence.gears import SAME_GEAR
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.evidence.wheels import Feet, is_wheel
 from stepbot.draft.mechanism.decide import Decision
-from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
 from stepbot.geometry.spatial import cross, perpendicular_frame
 from stepbot.robot.model import JointKind
 
-_SAME_AXIS, _SAME_CENTRE = 5e-5, 1e-4
-"""Distances [m] up to which two axes are one: of joints of one pair, and of two bodies that turn on the same one."""
 _SPINNER, _SPINNING_ROD, _SCREW = 0.05, 0.1, 2e-3
 """Shares of the assembly's volume up to which a body that spins is a pin or a ring, a rod at the end of a chain is no
 link, and a subassembly is a screw.
@@ -85,7 +83,8 @@ class Mechanism:
         """One joint per pair of clusters: the strongest; True if lines apart were found to lock a pair, now one."""
         taken: dict[tuple[int, int], Joint] = {}
         self.offered = []
-        for h in sorted(self._decision.evidence.joints, key=lambda h: (-round(h.score, 6), not h.drives, h.a, h.b)):
+        every = self._decision.evidence.joints
+        for h in sorted(every, key=lambda h: (-h.priority, -round(h.score, 6), not h.drives, h.a, h.b)):
             if h.a not in self._clusters or h.b not in self._clusters:
                 continue
             a, b = sorted((self._clusters.find(h.a), self._clusters.find(h.b)))
@@ -117,7 +116,7 @@ class Mechanism:
         for j in plain:
             some = beside[frozenset((j.a, j.b))]
             for k in some[some.index(j) + 1 :]:
-                if not j.axis.same(k.axis, _SAME_AXIS):
+                if not j.axis.same(k.axis, SAME_AXIS):
                     self._unite(k.a, k.b, self.joints)
                     return True
         return False
@@ -134,8 +133,8 @@ class Mechanism:
                 continue
             row += 1
             apart = cross(j.axis.point - points[:row], directions[:row])
-            near = np.flatnonzero(np.linalg.norm(apart, axis=1) < 2.0 * _SAME_AXIS).tolist()
-            first = next((n for n in near if n in tied_on and axes[n].same(j.axis, _SAME_AXIS)), row)
+            near = np.flatnonzero(np.linalg.norm(apart, axis=1) < 2.0 * SAME_AXIS).tolist()
+            first = next((n for n in near if n in tied_on and axes[n].same(j.axis, SAME_AXIS)), row)
             tied = tied_on.setdefault(first, Clusters(()))
             for one in {j.a, j.b}:
                 if one not in tied:
@@ -191,7 +190,7 @@ class Mechanism:
         # A stud with balls on its axis, which turn in their sockets; a shaft in a bore with one is that of a strut.
         is_strut = len(balls) == 1 and relation is not None and bool(relation.shafts)
         if balls and balls == others and is_line and not is_strut:
-            return first if all(first.axis.distance(j.axis.point) < _SAME_CENTRE for j in others) else None
+            return first if all(first.axis.distance(j.axis.point) < SAME_CENTRE for j in others) else None
         if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis, self._off) for j in joints):
             return min(joints, key=self._hold)
         if len(joints) == 1 and self._is_pin(members, joints[0]) and not self._is_flange(root, members, joints[0]):
@@ -214,7 +213,7 @@ class Mechanism:
         """Unite a body with two joints about one axis, and no other, across the plain one or a face beside a pin."""
         joints_of = self._of()
         for middle, joints in sorted(joints_of.items()):
-            if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, max(_SAME_CENTRE, self._off)):
+            if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, max(SAME_CENTRE, self._off)):
                 continue
             plain, other = sorted(joints, key=lambda j: _firmness(j.evidence))
             weak, strong = plain.evidence, other.evidence
@@ -229,7 +228,7 @@ class Mechanism:
         return False
 
     def _unite_two_sides(self) -> bool:
-        """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
+        """Unite two bodies that turn on a third about one axis, if one has no other joint, or both have the same."""
         joints_of = self._of()
         count = {body: len(joints) for body, joints in joints_of.items()}
         for hub, joints in sorted(joints_of.items()):
@@ -238,17 +237,20 @@ class Mechanism:
             for m, j in enumerate(turning):
                 for k in turning[m + 1 :]:
                     one, two = j.other(hub), k.other(hub)
-                    if one == two or not j.axis.same(k.axis, max(_SAME_CENTRE, self._off)):
+                    if one == two or not j.axis.same(k.axis, max(SAME_CENTRE, self._off)):
                         continue
                     if self._has_wheel(one) or self._has_wheel(two):
                         continue
-                    if count[one] > 1 and count[two] > 1:
+                    are_twins = _are_twins(joints_of, one, two)
+                    if count[one] > 1 and count[two] > 1 and not are_twins:
                         continue
                     # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
                     if count[one] == count[two] == 1 and self._are_equal(one, two):
                         continue
                     is_chain = self._is_carried(hub, j) + self._is_carried(hub, k) == 1
-                    if is_chain or self._are_serial(hub, one, two) or (j.evidence.of_linkage and k.evidence.of_linkage):
+                    if (is_chain or self._are_serial(hub, one, two)) and not are_twins:
+                        continue
+                    if j.evidence.of_linkage and k.evidence.of_linkage:
                         continue
                     first_goes = count[one] == 1 and (count[two] > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
@@ -381,13 +383,11 @@ def _firmness(h: JointEvidence) -> int:
     return {Via.FACE: 0, Via.PIN: _PINNED}.get(h.relation.via, 2)
 
 
-def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
-    """Whether two joints between the same bodies are one."""
-    if one.type == two.type == JointKind.PRISMATIC:
-        return are_parallel(one.axis.d, two.axis.d)
-    if {one.type, two.type} & {JointKind.UNIVERSAL, JointKind.BALL}:
-        return one.type != two.type or float(np.linalg.norm(one.axis.point - two.axis.point)) < _SAME_CENTRE
-    return one.axis.same(two.axis, _SAME_AXIS)
+def _are_twins(joints_of: dict[int, list[Joint]], one: int, two: int) -> bool:
+    """Whether two bodies have the same hinges, on the same others about two lines or more: they move as one."""
+    mine, theirs = joints_of[one], joints_of[two]
+    pairs = [k for j in mine for k in theirs if j.other(one) == k.other(two) and same_joint(j.evidence, k.evidence)]
+    return len(mine) == len(theirs) == len(pairs) and any(not k.axis.same(pairs[0].axis) for k in pairs)
 
 
 def by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:

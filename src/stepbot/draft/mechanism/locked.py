@@ -13,11 +13,10 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 import numpy as np
 
 from stepbot.draft.contacts.freedom import FreedomKind
-from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, Weld
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, Weld, same_joint
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.mechanism.joints import Joint, by_cluster, same_joint
+from stepbot.draft.mechanism.joints import Joint, by_cluster
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.geometry.spatial import perpendicular_frame, unit
@@ -79,11 +78,8 @@ def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
             h.priority, h.score, h.review = Priority.NEEDED, max(h.score, _SCORE), review
 
 
-_WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear", "quill", "carriage")
 _HANGING = "the motor hangs on its own output and carries no other joint: it may be fastened elsewhere"
 _TWICE = "what is between this joint and one about the same line has no other: one of both may be fixed"
-_SLIM = 3.0
-"""Guided length in radii from which a shaft may be prismatic."""
 
 
 def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
@@ -128,20 +124,12 @@ def slide_in_struts(joints: Sequence[Joint]) -> None:
             )
 
 
-def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
-    """Make joints prismatic if only that motion is possible, or if they are named so."""
-    motions = loop_motions(arcs)
-    for k, arc in enumerate(arcs):
-        if not arc.could_slide:
-            continue
-        h, r = arc.evidence, arc.evidence.relation
-        paths = " ".join(survey.parts[i].path.lower() for i in (h.a, h.b)) if survey.sources.names else ""
-        called_so = r is not None and r.guided > _SLIM * r.radius and any(word in paths for word in _WORDS)
-        motion = motions.get(k)
-        if motion is not None and motion.slides and not motion.turns:
-            h.type, h.review = JointKind.PRISMATIC, "the loop can move only if it is prismatic"
-        elif called_so and (motion is None or motion.slides):
-            h.type, h.review = JointKind.PRISMATIC, "could also be revolute"
+def choose_slides(arcs: Sequence[TreeJoint]) -> None:
+    """Make joints prismatic if only that motion is possible."""
+    for k, motion in loop_motions(arcs).items():
+        if motion.slides and not motion.turns:
+            arcs[k].evidence.type = JointKind.PRISMATIC
+            arcs[k].evidence.review = "the loop can move only if it is prismatic"
 
 
 def note_doubts(

@@ -34,6 +34,9 @@ _FEWEST_SCREWS = 2
 _BESIDE, _SAME = 3e-4, 0.01
 """Distance [m] of faces of bodies beside each other; share of a volume up to which two are equal."""
 _SCORE_BY_NAME, _SCORE_BY_SHAPE = 0.55, 0.5
+_UNKNOWN = "type, axis and parent are unknown"
+_BESIDE_ROOT = "stands beside the root on one ground: it may be a robot of its own"
+"""What to review of placeholders."""
 
 
 class LooseEnds:
@@ -117,9 +120,11 @@ class LooseEnds:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
 
     def _connect(self, groups: dict[int, list[int]], root: int) -> None:
-        """Placeholders between unconnected pieces of the mechanism; omnidirectional wheels turn."""
+        """Placeholders between unconnected pieces; omnidirectional wheels turn, what stands is fixed to the root."""
         tied = self._tied(groups)
         jointed = {q: n for n, q in enumerate(self._jointed())}
+        is_whole = len({tied.find(r) for r in (*jointed, root)}) < 2
+        stands = {} if is_whole else _standing(self._decision, {*jointed, root})[1]
         for r in sorted(jointed, key=lambda r: groups[r][0]):
             if tied.find(r) == tied.find(root):
                 continue
@@ -135,8 +140,13 @@ class LooseEnds:
             else:
                 driven = {self._clusters.find(j.evidence.b) for j in self._mechanism.joints if j.evidence.drives}
                 held = [q for q in piece if q not in driven] or piece  # a motor is held by its case
-                mine = min(held, key=lambda q: (self._gap(groups[q], groups[other]), q))
-                self._mechanism.joints.append(self._placeholder(groups, other, mine))
+                box = self._survey.box_of(groups[other])
+                _, mine = min((box_gap(self._survey.box_of(groups[q]), box), q) for q in held)
+                ground, review = [q for q in piece if q in stands], _UNKNOWN
+                if ground and root in stands:
+                    other, review = root, _BESIDE_ROOT
+                    mine = max(ground, key=lambda q: (round(stands[q], 6), -groups[q][0]))
+                self._mechanism.joints.append(self._placeholder(groups, other, mine, review))
                 self._join_equal(groups, mine, held, other)
                 self._join_equal(groups, other, [q for q in tied.members(other) if q in jointed or q == other], mine)
             tied.join(mine, other)
@@ -156,17 +166,11 @@ class LooseEnds:
         near = self._survey.parts_near(self._survey.box_of(one), _BESIDE)
         return any(self._survey.scene.gap(drawn, i) < _BESIDE for i in near if i in inside)
 
-    def _placeholder(self, groups: dict[int, list[int]], a: int, b: int) -> Joint:
-        axis = Axis(self._survey.box_of(groups[b]).mean(axis=0), None)
-        review = "type, axis and parent are unknown"
+    def _placeholder(self, groups: dict[int, list[int]], a: int, b: int, review: str = _UNKNOWN) -> Joint:
+        axis, ends = Axis(self._survey.box_of(groups[b]).mean(axis=0), None), (groups[a][0], groups[b][0])
         why = "no connection found"
-        return Joint(
-            JointEvidence(
-                0.0, groups[a][0], groups[b][0], JointKind.FIXED, axis, why, review=review, verdict=Verdict.TAKEN
-            ),
-            a,
-            b,
-        )
+        h = JointEvidence(0.0, *ends, JointKind.FIXED, axis, why, review=review, verdict=Verdict.TAKEN)
+        return Joint(h, a, b)
 
     def _jointed(self) -> set[int]:
         return {r for j in self._mechanism.joints for r in (j.a, j.b)}
@@ -189,9 +193,6 @@ class LooseEnds:
         part = nearest(self._survey, members)
         cluster = self._clusters.find(part) if part is not None else root
         return root if cluster == self._clusters.find(members[0]) else cluster
-
-    def _gap(self, one: Sequence[int], two: Sequence[int]) -> float:
-        return box_gap(self._survey.box_of(one), self._survey.box_of(two))
 
     def _by_name(self, groups: dict[int, list[int]], r: int, other: int, own: Sequence[int]) -> Joint | None:
         """A wheel turns about its own axis; two equal fingers slide towards each other."""
@@ -260,7 +261,9 @@ def find_root(decision: Decision, structure: Structure, joints: Sequence[Joint],
     degree = Counter(root for j in joints if not j.evidence.of_roller for root in (j.a, j.b))
     neighbours: dict[int, list[int]] = defaultdict(list)
     only: dict[int, JointEvidence] = {}
+    tied = Clusters(decision.clusters.groups())  # limbs are those of one body: not what stands apart
     for j in joints:
+        tied.join(j.a, j.b)
         neighbours[j.a].append(j.b)
         neighbours[j.b].append(j.a)
         only[j.a] = only[j.b] = j.evidence
@@ -294,7 +297,7 @@ def find_root(decision: Decision, structure: Structure, joints: Sequence[Joint],
         is_end = degree[root] <= 1 or (holds[root] > 0 and degree[root] - stubs <= 1)
         one = _Candidate(members, share, volumes[root] / largest, degree[root] or 1, is_end, holds[root])
         rank = _rank(decision.survey, structure, one, up) + _ON_GROUND * stands.get(root, 0.0)
-        twins = (other for other in groups if abs(mains[other] - mains[root]) < _TWIN * mains[root])
+        twins = (q for q in tied.members(root) if abs(mains[q] - mains[root]) < _TWIN * mains[root])
         if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
             rank -= _TRUNK  # one of several equal limbs
         if degree[root] == 1 and root not in stands and _is_roller(decision.survey, members, only[root], up):

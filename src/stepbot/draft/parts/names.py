@@ -44,7 +44,7 @@ _STANDARDS = (
     ("jis", r"jis[\s_\-]*b[\s_\-]*(?:{})(?!\d)"),
 )
 _METRIC = re.compile(
-    r"(?:^|[\s_\-(])m\d+(?:[.,_]\d+)?[\s_]*[x×*\-][\s_]*\d+"
+    r"(?<![a-z\d.])m\d+(?:[.,_]\d+)?[\s_]*[x×*\-][\s_]*\d+"
     r"|(?:^|[\s_])m\d{1,2}(?:[.,]5)?[\s_\-]+(?:hex|nut|bolt|screw|washer|socket|cap|flat)",
     re.IGNORECASE,
 )
