@@ -105,18 +105,6 @@ def test_block_on_one_rod_does_not_only_slide() -> None:
     assert "prismatic" not in [kind for kind, *_ in joints(inferred(*carriage(1), sources=BARE))]
 
 
-@pytest.mark.parametrize("word", ["piston", "telescope", "ring"])
-@pytest.mark.parametrize("radii", [2.9, 3.1])
-def test_what_is_named_as_a_slide_on_a_rod_slides(radii: float, word: str) -> None:
-    """From a guided length of three radii on, to be reviewed; by its faces alone it turns."""
-    rod = cylinder(5, 200) + box(60, 60, 10).at(0, 0, -5)
-    block = box(40, 40, 5 * radii) - cylinder(5, 5 * radii).at(0, 0, -2.5 * radii)
-    found = inferred(part("base", rod), part(word, block, z=80))
-    slides = radii > 3.0 and word != "ring"
-    assert [kind for kind, *_ in joints(found)] == ["prismatic" if slides else "revolute"]
-    assert (found.arcs[0].evidence.review == "could also be revolute") == slides
-
-
 def test_lever_on_the_pins_of_two_others_does_not_slide() -> None:
     """A thick lever on two pins, each in a lever of its own, turns on both: no part holds the pins like rods."""
     lever = box(60, 14, 10)
