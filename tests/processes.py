@@ -5,8 +5,24 @@ import time
 import venv
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Workers
+
+
+def call_isolated(
+    function: str, *arguments: Any, timeout: float = DEFAULT_TIMEOUT, memory_limit: int | None = None
+) -> Any:
+    """Call ``package.module:function`` in a separate process; see :class:`.worker.Worker`.
+
+    Raises:
+        WorkerDied: The process ended without a result.
+        RemoteError: The function raised.
+    """
+    return Workers(timeout, memory_limit).call(function, *arguments)
 
 
 def ended(pid: int) -> bool:

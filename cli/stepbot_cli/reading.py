@@ -294,15 +294,11 @@ def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
 
 
 def reject_one_step_for_all(step: Path | None, named: Collection[Path], paths: Collection[Path]) -> None:
-    """Reject a STEP file for all sidecars of a folder, which would each be compared with it, or locked.
+    """Reject `--step` for the sidecars of a folder: each would be compared with that STEP, or locked.
 
     Args:
-        step: That of the command line, in place of the one in the sidecar.
         named: The sidecars and folders of the command line.
         paths: The sidecars that these are or contain.
-
-    Raises:
-        click.UsageError: Several sidecars were found, which nobody named.
     """
     if step is not None and len(paths) > 1 and not {*paths} <= {*named}:
         first = printable(min(paths).as_posix())

@@ -167,7 +167,7 @@ def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
     first = stepbot("convert", "arm3.robot.yaml", "-o", "out/arm2", "--no-verify", "--concise")
     assert first.code == 0
     expected = (
-        "out/arm2/report.json: warning[SB022]: the folder has files of 'arm2', too, and report.json is of one robot"
+        "out/arm2/report.json: warning[SB022]: the folder also has files of 'arm2', and report.json describes one robot"
     )
     assert expected in first.err.splitlines()
     (written / "report.json").unlink()

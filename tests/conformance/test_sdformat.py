@@ -13,8 +13,8 @@ from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.kinematics import configurations, initial_configuration, link_poses
 from stepbot.robot.model import Base, JointKind, Limit, Mimic, Robot
-from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
+from tests.processes import call_isolated
 from tests.robots import ROBOTS, every_robot, four_bar, four_bar_with_zeros
 
 UNKNOWN_TO_PYBULLET = ("ball", "universal", "screw", "left_screw", "floating", "stewart", "delta")

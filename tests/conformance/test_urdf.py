@@ -12,9 +12,9 @@ from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import configurations, link_poses
 from stepbot.robot.model import JointKind
 from stepbot.robot.sensors import SensorKind
-from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
 from tests.devices import equipped
+from tests.processes import call_isolated
 from tests.robots import ROBOTS, every_robot
 
 

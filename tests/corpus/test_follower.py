@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stepbot.runtime.worker import call_isolated
 from tests.command_line import Conversion, convert, convert_once
+from tests.processes import call_isolated
 from tests.rigid import deviations, numbers, urdf_links
 
 HERE = Path(__file__).parent

@@ -9,7 +9,6 @@ import pytest
 from lxml import etree
 from ruamel.yaml import YAML
 
-from stepbot.runtime.worker import call_isolated
 from tests.command_line import stepbot
 from tests.engines import ASLANT
 from tests.library.conftest import (
@@ -22,6 +21,7 @@ from tests.library.conftest import (
     name_of,
     sidecar_of,
 )
+from tests.processes import call_isolated
 
 BETWEEN = {"ball": 2, "universal": 1, "screw": 1, "cylindrical": 1, "planar": 2, "floating": 5}
 """Links that URDF adds between the two links of a joint that it writes as several."""

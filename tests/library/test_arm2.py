@@ -13,9 +13,9 @@ from lxml import etree
 
 from robot_library.moments import Array
 from robot_library.step_file import LengthUnit, write_document
-from stepbot.runtime.worker import call_isolated
 from tests.command_line import Conversion, convert, snapshot
 from tests.library.conftest import LIBRARY, Converted, sidecar_of
+from tests.processes import call_isolated
 from tests.rigid import deviations, numbers, sdf_pose, urdf_links
 
 FOLDER = "stepbot_arm2"

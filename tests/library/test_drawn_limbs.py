@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from robot_library.moments import inverse
-from stepbot.runtime.worker import call_isolated
 from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
+from tests.processes import call_isolated
 
 
 def expected(robot: str) -> dict[str, Any]:

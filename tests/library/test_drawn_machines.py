@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stepbot.runtime.worker import call_isolated
 from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted
+from tests.processes import call_isolated
 from tests.rigid import deviations
 
 MACHINES = tuple(

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from stepbot.runtime.worker import call_isolated
 from tests.command_line import Conversion
 from tests.library.conftest import LIBRARY, Converted
+from tests.processes import call_isolated
 from tests.rigid import deviations, numbers, pose, reported_pose, sdf_pose, urdf_links
 
 FOLDER = "stepbot_four_bar"

@@ -13,9 +13,9 @@ from ruamel.yaml import YAML
 
 from robot_library.description import DescribedJoint, Description, load_description
 from robot_library.moments import inverse
-from stepbot.runtime.worker import call_isolated
 from tests.conftest import CORPUS
 from tests.library.conftest import LIBRARY, ROBOTS, SHORT, Converted, sidecar_of
+from tests.processes import call_isolated
 
 REFERENCE = Path(os.environ.get("STEPBOT_REFERENCE", CORPUS.parent / "reference"))
 WORLD = "world"

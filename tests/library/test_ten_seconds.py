@@ -2,8 +2,8 @@
 
 import pytest
 
-from stepbot.runtime.worker import call_isolated
 from tests.library.conftest import Converted, every_robot
+from tests.processes import call_isolated
 
 SECONDS = 10.0
 LONGEST = 900.0

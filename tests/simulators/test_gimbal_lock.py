@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from stepbot.engines.observation import Observation, Request
-from stepbot.runtime.worker import call_isolated
 from tests.command_line import stepbot
 from tests.parts import Assembly, Occurrence, box, draw, drawn
+from tests.processes import call_isolated
 
 pytestmark = pytest.mark.slow
 

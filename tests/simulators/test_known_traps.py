@@ -18,7 +18,8 @@ from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointDynamics
 from stepbot.robot.surfaces import Surface
-from stepbot.runtime.worker import RemoteError, WorkerDied, call_isolated
+from stepbot.runtime.worker import RemoteError, WorkerDied
+from tests.processes import call_isolated
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, failures, look, skip_without, write
 

@@ -10,7 +10,8 @@ from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observa
 from stepbot.engines.sdformat_reader import observer as reader
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Limit, Mimic
-from stepbot.runtime.worker import RemoteError, call_isolated
+from stepbot.runtime.worker import RemoteError
+from tests.processes import call_isolated
 
 LINK = "<inertial><mass>2</mass><inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz></inertia></inertial>"
 

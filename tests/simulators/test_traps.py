@@ -14,7 +14,8 @@ from stepbot.engines import engine_of
 from stepbot.engines.observation import EngineCannotRead, Observation, Quantity, Request
 from stepbot.engines.workers import Engines, Fate
 from stepbot.robot.model import Collision, Sphere
-from stepbot.runtime.worker import RemoteError, WorkerDied, call_isolated
+from stepbot.runtime.worker import RemoteError, WorkerDied
+from tests.processes import call_isolated
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, failures, look, skip_without, write
 

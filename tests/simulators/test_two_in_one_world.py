@@ -7,8 +7,8 @@ from lxml import etree
 from msgspec.structs import replace
 
 from stepbot.robot.model import Base, Robot
-from stepbot.runtime.worker import call_isolated
 from tests.devices import equipped
+from tests.processes import call_isolated
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without, write
 

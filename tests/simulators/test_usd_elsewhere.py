@@ -14,10 +14,9 @@ import pytest
 
 from stepbot.engines import engine_of
 from stepbot.engines.observation import Observation, Request
-from stepbot.runtime.worker import call_isolated
 from stepbot_cli import main
 from tests.library.conftest import every_robot, name_of, sidecar_of
-from tests.processes import python_with
+from tests.processes import call_isolated, python_with
 
 pytestmark = pytest.mark.long
 

@@ -209,18 +209,6 @@ class Worker:
         return tuple(line.rstrip() for line in text.splitlines() if line.strip())[-_LAST_LINES:]
 
 
-def call_isolated(
-    function: str, *arguments: Any, timeout: float = DEFAULT_TIMEOUT, memory_limit: int | None = None
-) -> Any:
-    """Call ``package.module:function`` in a separate process; see :class:`Worker`.
-
-    Raises:
-        WorkerDied: The process ended without a result.
-        RemoteError: The function raised.
-    """
-    return Workers(timeout, memory_limit).call(function, *arguments)
-
-
 class Workers(NamedTuple):
     """How functions run in workers of their own."""
 

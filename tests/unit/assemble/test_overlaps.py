@@ -26,8 +26,9 @@ from stepbot.geometry.solids.manifolds import Solid, union_volume
 from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
 from stepbot.geometry.spatial import Pose, rotation_about
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.worker import Worker, call_isolated
+from stepbot.runtime.worker import Worker
 from tests.conftest import ReadDiagnostics
+from tests.processes import call_isolated
 from tests.unit.assemble.workshop import Workshop, at, build, sidecar
 
 ONE = "    links: {base: {rest: true}}\n"

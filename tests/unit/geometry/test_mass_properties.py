@@ -10,7 +10,7 @@ from stepbot.geometry.mass_properties import measured
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import MESH_WORKER
 from stepbot.geometry.spatial import Pose, rotation_from_rpy
-from stepbot.runtime.worker import call_isolated
+from tests.processes import call_isolated
 
 CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
 FACES = np.array(

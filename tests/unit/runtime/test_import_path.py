@@ -10,7 +10,8 @@ import pytest
 import stepbot
 from stepbot.runtime.fork_server import ForkServer, can_serve
 from stepbot.runtime.import_path import safe_import_path
-from stepbot.runtime.worker import Worker, call_isolated
+from stepbot.runtime.worker import Worker
+from tests.processes import call_isolated
 
 STANDARD_LIBRARY = str(Path(threading.__file__).parent)
 FUNCTIONS = "tests.unit.runtime.isolated_functions"

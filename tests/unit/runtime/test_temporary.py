@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.runtime.temporary import run_folder
-from stepbot.runtime.worker import call_isolated
+from tests.processes import call_isolated
 
 posix = pytest.mark.skipif(os.name == "nt", reason="no file locks and no SIGKILL on Windows")
 

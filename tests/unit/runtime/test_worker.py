@@ -10,17 +10,8 @@ from typing import BinaryIO
 
 import pytest
 
-from stepbot.runtime.worker import (
-    Process,
-    RemoteError,
-    Worker,
-    WorkerDied,
-    are_spawned,
-    call_isolated,
-    spawned,
-    started_by,
-)
-from tests.processes import ended
+from stepbot.runtime.worker import Process, RemoteError, Worker, WorkerDied, are_spawned, spawned, started_by
+from tests.processes import call_isolated, ended
 
 HERE = "tests.unit.runtime.isolated_functions"
 
@@ -112,9 +103,9 @@ def test_too_much_memory_is_a_death() -> None:
 def test_a_limit_beyond_what_the_system_allows() -> None:
     """If the system's limit is lower than the requested one, it applies."""
     code = (
-        "import resource; from stepbot.runtime.worker import call_isolated as call\n"
+        "import resource; from stepbot.runtime.worker import Workers\n"
         "resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))\n"
-        f"call('{HERE}:allocate', 4 << 30, memory_limit=64 << 30)"
+        f"Workers(memory_limit=64 << 30).call('{HERE}:allocate', 4 << 30)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert "WorkerDied: out of memory" in done.stderr

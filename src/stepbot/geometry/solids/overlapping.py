@@ -131,9 +131,9 @@ def _intersect(search: Search) -> list[_Common | str | None]:
 
     def common(number: int) -> _Common | None:
         a, b = (solids[body] for body in groups[number].bodies)
-        common = a.intersection(b, groups[number].X_AB)
-        if common.volume > SMALLEST * groups[number].smaller and common.volume > common.noise:
-            return _Common(common.volume, common.mesh)
+        region = a.intersection(b, groups[number].X_AB)
+        if region.volume > max(SMALLEST * groups[number].smaller, region.noise):
+            return _Common(region.volume, region.mesh)
         return None
 
     results = list(map(common, wanted)) if spent < _MANY else results_of(common, wanted, weights, "overlaps")
