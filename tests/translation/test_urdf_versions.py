@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lxml import etree
 from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.describe import describe
-from stepbot.engines.observation import EngineRefused
+from stepbot.engines.observation import EngineRefused, Request
+from stepbot.engines.pybullet import observer as pybullet_observer
+from stepbot.engines.urdf_versions import with_rpy
 from stepbot.formats.rendering import render
 from stepbot.formats.urdf.ros2.moveit import _further
 from stepbot.geometry.spatial import Pose, quaternion_from_rotation, rotation_from_rpy
@@ -92,6 +95,25 @@ def test_rotations_that_are_none(tmp_path: Path, attribute: str, message: str) -
     file.write_text(ARM.format(joint=attribute, inertial="", visual="", collision=""), encoding="utf-8")
     with pytest.raises(EngineRefused, match=re.escape(message)):
         describe(str(file), "urdf")
+
+
+@pytest.mark.parametrize("text", ["0 0 1", "0 0 0 0", "0 0 0 nan", "0 0 0 inf", "0 0 0 continuous"])
+def test_engines_refuse_rotations_that_are_none(text: str) -> None:
+    """A copy for engines is not made of a quaternion without a direction; blocks of programs are not read."""
+    robot = etree.fromstring(ARM.format(joint=f'quat_xyzw="{text}"', inertial="", visual="", collision=""))
+    with pytest.raises(EngineRefused, match=f"line 4: 'quat_xyzw' of <origin> is '{text}', not a rotation"):
+        with_rpy(robot)
+    block = etree.fromstring(f'<robot><gazebo><origin quat_xyzw="{text}"/></gazebo></robot>')
+    assert not with_rpy(block)
+
+
+@pytest.mark.pybullet
+def test_pybullet_refuses_them_with_their_line(tmp_path: Path) -> None:
+    """The message of its observer is the same."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(ARM.format(joint='quat_xyzw="0 0 1"', inertial="", visual="", collision=""), encoding="utf-8")
+    with pytest.raises(EngineRefused, match="line 4: 'quat_xyzw' of <origin> is '0 0 1', not a rotation"):
+        pybullet_observer.observe(Request(str(file), "urdf"))
 
 
 @pytest.mark.slow

@@ -9,11 +9,11 @@ capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count
+from math import hypot, inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-import numpy as np
 from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Vector3, rotation_from_quaternion, rpy_from_rotation
@@ -21,7 +21,7 @@ from stepbot.robot.model import Limit
 from stepbot.runtime.file import is_file
 from stepbot.runtime.temporary import run_folder
 
-from .observation import Request
+from .observation import EngineRefused, Request
 from .source_copy import locate
 from .xml import with_readable_head, xml_root
 
@@ -73,13 +73,20 @@ def newer_than_stated(robot: Element) -> Iterator[Newer]:
             yield Newer(what, needs, elements[0].sourceline or 0)
 
 
-def rpy_of(origin: Element) -> Vector3 | None:
-    """The rotation of an ``<origin>`` with a quaternion; None for one without."""
-    text = origin.get(QUATERNION)
-    if text is None:
-        return None
-    x, y, z, w = (float(part) for part in text.split())
-    whole = float(np.linalg.norm((x, y, z, w)))
+def _rpy_of(origin: Element) -> Vector3:
+    """The rotation of an ``<origin>`` with a quaternion.
+
+    Raises:
+        EngineRefused: The attribute is not four numbers with a direction.
+    """
+    try:
+        x, y, z, w = (float(part) for part in origin.get(QUATERNION).split())
+    except ValueError:
+        x = y = z = w = 0.0
+    whole = hypot(x, y, z, w)
+    if not 0.0 < whole < inf:
+        text = origin.get(QUATERNION)
+        raise EngineRefused(f"line {origin.sourceline}: '{QUATERNION}' of <origin> is '{text}', not a rotation")
     return rpy_from_rotation(rotation_from_quaternion((w / whole, x / whole, y / whole, z / whole)))
 
 
@@ -91,10 +98,14 @@ def extra_limits(joint: Element) -> Limit:
 
 
 def with_rpy(robot: Element) -> bool:
-    """Replace each quaternion by roll, pitch and yaw; returns whether there was one."""
-    origins = [one for one in robot.iter("origin") if one.get(QUATERNION) is not None]
+    """Replace each quaternion by roll, pitch and yaw; returns whether there was one.
+
+    Raises:
+        EngineRefused: One is no rotation.
+    """
+    origins = robot.xpath(f"*[self::link or self::joint]//origin[@{QUATERNION}]")
     for origin in origins:
-        origin.set("rpy", " ".join(map(repr, rpy_of(origin) or ())))
+        origin.set("rpy", " ".join(map(repr, _rpy_of(origin))))
         del origin.attrib[QUATERNION]
     return bool(origins)
 

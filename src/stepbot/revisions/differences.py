@@ -86,7 +86,9 @@ def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Di
         renamed = _RENAMED.fullmatch(name)
         if renamed is not None:
             yield Difference("renamed", renamed[1], "paired by structure", new_name=renamed[2])
-        elif set(by_unit) == {"m", "rad"} and len(diagnostics) == 2:
+        elif (
+            set(by_unit) == {"m", "rad"} and len(diagnostics) == 2 and all(isfinite(one.amount) for one in diagnostics)
+        ):
             distance, angle = by_unit["m"].amount, by_unit["rad"].amount
             words = moved_words(Motion(distance, angle))
             yield Difference(quantity.value, name, words, amount=distance, unit="m", angle=angle)

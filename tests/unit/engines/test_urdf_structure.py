@@ -1,10 +1,14 @@
 """Faults of a URDF that other readers report as exceptions of their own have a message with the line."""
 
+from pathlib import Path
+
 import pytest
 from lxml import etree
 
+from stepbot.engines.describe import describe
 from stepbot.engines.description.urdf_structure import check_structure
 from stepbot.engines.observation import EngineRefused
+from stepbot.geometry.primitives import Box
 
 ARM = """<robot name="arm">
 <link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual></link>
@@ -68,3 +72,11 @@ def test_faults_have_their_line(old: str, new: str, message: str) -> None:
     with pytest.raises(EngineRefused) as caught:
         check_structure(etree.fromstring(ARM.replace(old, new, 1)))
     assert str(caught.value) == message
+
+
+def test_attributes_of_other_shapes_are_not_read(tmp_path: Path) -> None:
+    """What a shape has no use for may be anything, as a radius of a box."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(ARM.replace('size="1 1 1"', 'size="1 1 1" radius="null"'), encoding="utf-8")
+    (shape,) = describe(str(file), "urdf").shapes
+    assert shape.geometry == Box((1.0, 1.0, 1.0))

@@ -21,7 +21,7 @@ from ..urdf_extensions.observer import initial_positions
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
 from ..xml import Element, xml_root
 from .description import DescribedShape, Description, MeshFiles
-from .urdf_structure import check_structure, open_limits
+from .urdf_structure import SHAPES, check_structure, open_limits
 from .urdf_vocabulary import BULLET, URDF
 
 
@@ -160,10 +160,11 @@ def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba |
 
 
 def _primitive(geometry: Element | None) -> Primitive | None:
-    for shape in () if geometry is None else geometry:
-        x, y, z = _numbers(shape.get("size"), ZERO3)
-        (radius,), (length,) = _numbers(shape.get("radius"), (0.0,)), _numbers(shape.get("length"), (0.0,))
-        if made := primitive(str(shape.tag), size=(x, y, z), radius=radius, length=length):
+    for shape in () if geometry is None else geometry.iterchildren(*SHAPES):
+        own = {key: shape.get(key) for key in SHAPES[shape.tag]}
+        x, y, z = _numbers(own.get("size"), ZERO3)
+        (radius,), (length,) = _numbers(own.get("radius"), (0.0,)), _numbers(own.get("length"), (0.0,))
+        if made := primitive(shape.tag, size=(x, y, z), radius=radius, length=length):
             return made
     return None
 

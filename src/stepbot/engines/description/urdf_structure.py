@@ -33,7 +33,7 @@ _NUMBERS = {
 _EXPAND = "expand macros first, `xacro robot.urdf.xacro -o robot.urdf`"
 _UNBOUNDED = ("limit", "dynamics")
 """Elements whose numbers may be infinite."""
-_SHAPES = {
+SHAPES = {
     "box": ("size",),
     "cylinder": ("radius", "length"),
     "capsule": ("radius", "length"),
@@ -153,13 +153,13 @@ def _check_link(link: Element) -> None:
 
 def _check_geometry(shape: Element, subject: str) -> None:
     children = list(shape.iterfind("geometry/*"))
-    known = [child for child in children if child.tag in _SHAPES]
+    known = [child for child in children if child.tag in SHAPES]
     if children and not known:
-        names = ", ".join(f"<{tag}>" for tag in _SHAPES)
+        names = ", ".join(f"<{tag}>" for tag in SHAPES)
         raise _refused(children[0], f"<{children[0].tag}> is not a geometry of URDF: {names}")
     if len(known) != 1:
         raise _refused(shape, f"{subject} has {'several geometries' if known else 'no geometry'}")
-    for attribute in _SHAPES[known[0].tag]:
+    for attribute in SHAPES[known[0].tag]:
         _need(known[0], attribute)
 
 

@@ -99,7 +99,7 @@ def observe(request: Request) -> Observation:
     observers = {"urdf": _observe_urdf, "sdf": _observe_sdf, "mjcf": _observe_smoke}
     unstated = _unstated_masses(request)
     try:
-        with readable(request, inertials=False) as (request, replaced), printed() as lines, _connected(engine):
+        with printed() as lines, readable(request, inertials=False) as (request, replaced), _connected(engine):
             observation = observers[request.format](engine, request)
     except EngineRefused as error:
         if any(_TOO_DEEP in line for line in lines):

@@ -7,8 +7,7 @@ A file is renamed to its final name when it is complete; the hash covers key and
 full disk or a crash is a miss. Reading marks an entry as used; above the size limit, the least recently used entries
 are removed. Runs need not coordinate: a later one finds the entry, or computes it again.
 
-Only regular files with the names of entries are read and removed, and no symbolic link is followed below the folder:
-what someone else has put there, or links from there, stays as it is.
+Only regular files with the names of entries are read and removed; no symbolic link below the folder is followed.
 """
 
 import contextlib

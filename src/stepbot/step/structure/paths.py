@@ -8,8 +8,6 @@
 A name is that of the product or of the occurrence. Fusion's save counter, `` v12`` in ``arm v12`` and ``arm v12:1``,
 counts on neither side. ``/``, ``*`` and ``#`` inside a name take a backslash, as does a name that is a single dot;
 every other character stands for itself.
-A failed lookup is also returned as a :class:`Binding`, because many paths are looked up and all faults are reported at
-once.
 """
 
 import re
