@@ -290,21 +290,25 @@ class Survey:
         while above > 0:
             tops.add(above)
             above = self.assembly.components[above].parent
-        ground: tuple[str, Mapping[int, float]] | None = None
+        apart: dict[int, set[int]] = {}
         for index in self.assembly.children[self.top] if self.sources.tree else ():
-            inside = {i for i in self.assembly.subtree(index) if i in self.parts}
-            outside = [i for i, part in self.parts.items() if part.size and i not in inside]
-            if not outside or not any(self.assembly.components[i].product for i in self.assembly.children[index]):
+            if any(self.assembly.components[i].product for i in self.assembly.children[index]):
+                inside = {i for i in self.assembly.subtree(index) if i in self.parts}
+                if all(r.other(i) in inside for i in inside for r in self.near.get(i, ())):
+                    apart[index] = inside
+        if not apart:
+            return tops
+        every = grounds(self.assembly).items()
+        up, standing = max(every, key=lambda one: exact_sum(one[1].values()), default=("z", {}))
+        level = [k for k in range(3) if "xyz"[k] != up[-1]]
+        numbers = [i for i, part in self.parts.items() if part.size]
+        boxes = np.array([self.parts[i].box for i in numbers]).reshape(-1, 2, 3)[:, :, level]
+        for index, inside in apart.items():
+            others = boxes[np.isin(numbers, sorted(inside), invert=True)]
+            if inside.isdisjoint(standing) or not len(others):
                 continue
-            if any(r.other(i) not in inside for i in inside for r in self.near.get(i, ())):
-                continue
-            if ground is None:
-                every = grounds(self.assembly).items()
-                ground = max(every, key=lambda one: exact_sum(one[1].values()), default=("z", {}))
-            level = [k for k in range(3) if "xyz"[k] != ground[0][-1]]
-            (low, high), boxes = self.box_of(inside)[:, level], np.array([self.parts[i].box for i in outside])
-            is_beside = np.any((boxes[:, 0, level] > high) | (boxes[:, 1, level] < low), axis=1)
-            if not inside.isdisjoint(ground[1]) and bool(is_beside.all()):
+            low, high = self.box_of(inside)[:, level]
+            if bool(((others[:, 0] > high) | (others[:, 1] < low)).any(axis=1).all()):
                 tops.add(index)
         return tops
 
