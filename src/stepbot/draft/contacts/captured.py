@@ -62,6 +62,7 @@ def find_captured(
     captured: dict[Pair, Captured] = {}
     planes: Planes | None = None
     known: dict[bytes, bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
+    alone: set[tuple[int, bytes]] = set()  # likewise, of parts with their pads
     inside = frozenset(larger)
     bolted, pads = _bolted(relations, inside), _pads(scene, relations, inside)
     for pair, arrangement in _overlapping(scene, larger, cut):
@@ -81,11 +82,16 @@ def find_captured(
                 known[placed] = bool(facing)
         if pair not in captured and pair not in relations:
             lined, sides = _lined(scene, pair, pads)
-            many = len(lined) + len(sides) > _FEWEST_LINED
-            facing = [x for a in lined for b in sides for x in planes.facing(a, b, _WIDE)] if many else []
-            slide = _slide(facing) if facing else None
+            if len(lined) + len(sides) <= _FEWEST_LINED:
+                continue
+            padded = len(lined), scene.arrangement(pair[0], lined + sides)
+            if padded in alone:
+                continue
+            slide = _slide([x for a in lined for b in sides for x in planes.facing(a, b, _WIDE)])
             if slide is not None and slide.has_play:
                 captured[pair] = slide
+            else:
+                alone.add(padded)
     return captured
 
 

@@ -22,6 +22,7 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import box_gaps
 from stepbot.geometry.spatial import Array, cross, unit
 from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Body
 from stepbot.step.faces import FaceKind
 
 _FEWEST = 4
@@ -164,21 +165,24 @@ def _roller(survey: Survey, index: int) -> _Roller | None:
         return None
     around = dict(survey.around(index))
     held = [relation.turns for relation in around.values()]
-    for axis in (*survey.turned.get(index, ())[:3], *_outlined(survey, index)):
+    X = survey.scene.component(index).X_WC
+    outlined = (Axis(X.apply(centre), X.turn(d)) for centre, d in survey.scene.of_definition(index, _outlined))
+    for axis in (*survey.turned.get(index, ())[:3], *outlined):
         if part.is_balanced(axis) and all(line is not None and line.same(axis) for line in held):
             centre = axis.point + axis.d * float((part.com - axis.point) @ axis.d)
             return _Roller(index, Axis(centre, axis.d), part.volume, tuple(around))
     return None
 
 
-def _outlined(survey: Survey, part: int) -> Iterator[Axis]:
-    """The axes of planes with a round outline."""
-    X = survey.scene.component(part).X_WC
-    for face in survey.scene.body(part).faces:
-        if face.kind == FaceKind.PLANE and face.rings:
-            circle = fitted_circle(face.rings[0], np.array(face.direction), _CIRCLE)
-            if circle is not None:
-                yield Axis(X.apply(circle[0]), X.turn(face.direction))
+def _outlined(body: Body) -> list[tuple[Array, Array]]:
+    """Centres and directions of a body's planes with a round outline, in its own frame."""
+    return [
+        (circle[0], np.array(face.direction))
+        for face in body.faces
+        if face.kind == FaceKind.PLANE
+        and face.rings
+        and (circle := fitted_circle(face.rings[0], np.array(face.direction), _CIRCLE)) is not None
+    ]
 
 
 def _patterns(rollers: Sequence[_Roller], hub: Axis) -> Iterator[list[_Roller]]:
