@@ -69,17 +69,16 @@ def find_captured(
         planes = planes or Planes(scene)
         for one, host in _within(scene, pair, bolted):
             placed = arrangement if len(host) == 1 else scene.arrangement(one, host)
-            if placed in known:
-                if len(host) == 1 and not known[placed]:
+            if placed not in known:
+                facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
+                slide = _slide(facing) if len(facing) > 1 else None
+                if slide is not None and not _is_locked(relations, one, host, slide.axis):
+                    captured[pair] = slide
                     break
-                continue
-            facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
-            slide = _slide(facing) if len(facing) > 1 else None
-            if slide is not None and not _is_locked(relations, one, host, slide.axis):
-                captured[pair] = slide
-                break
-            if slide is None:
-                known[placed] = bool(facing)
+                if slide is None:
+                    known[placed] = bool(facing)
+            if len(host) == 1 and not known.get(placed, True):
+                break  # nothing is beside: what is bolted on makes no slot of it
         if pair not in captured and pair not in relations:
             lined, sides = _lined(scene, pair, pads)
             if len(lined) + len(sides) <= _FEWEST_LINED:
