@@ -92,8 +92,10 @@ def reexported(*nodes: Node, to: Any = _NOWHERE) -> list[Node]:
 
 
 def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> InferredMechanism:
-    """The mechanism inferred from some nodes."""
-    return infer_mechanism(assembled(*nodes), sources)
+    """The mechanism inferred from some nodes; scores are from 0 to 1, as drafts say of them."""
+    found = infer_mechanism(assembled(*nodes), sources)
+    assert all(0.0 <= one.score <= 1.0 for one in (*found.welds, *found.offered, *(arc.evidence for arc in found.arcs)))
+    return found
 
 
 def links(inferred: InferredMechanism) -> list[set[str]]:

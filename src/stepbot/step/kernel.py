@@ -103,6 +103,15 @@ def matrices_of(transformations: Sequence[Any]) -> Array:
     return X
 
 
+_SAME = 1e-9
+
+
+def is_same_motion(a: Array, b: Array) -> bool:
+    """Whether two transformations, (3, 4) or (4, 4), are equal up to rounding: a long way hides no other rotation."""
+    off, size = np.abs(a - b)[:3], np.abs(b)[:3]
+    return bool(off[:, :3].max() <= _SAME * size[:, :3].max() and off[:, 3].max() <= _SAME * max(1.0, size[:, 3].max()))
+
+
 T = TypeVar("T")
 
 OUT_OF_MEMORY: tuple[type[Exception], ...] = (MemoryError, Standard.Standard_OutOfMemory)

@@ -213,6 +213,19 @@ def test_a_horn_and_a_bracket_far_apart_are_no_axis(tmp_path: Path, diagnostics:
         _expect(built(shop, tmp_path, _joint(chosen.removeprefix("origin: "))), (0, 0, 116))
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_lines_without_a_contact_are_counted(count: int, tmp_path: Path, diagnostics: ReadDiagnostics) -> None:
+    """Lines on which faces of both sides are far apart are counted and each listed, with what selects it."""
+    at = [(30.0 * n, 0, 0) for n in range(count)]
+    horn = [axis(point, radius=10 + n, length=4, bore=False) for n, point in enumerate(at)]
+    bracket = [axis((x, y, 234), radius=10.2 + n, length=8) for n, (x, y, _) in enumerate(at)]
+    assert build(_two(horn, bracket), tmp_path, _joint("auto"), diagnostics) is None
+    (fault,) = diagnostics
+    assert fault.code == "SB406"
+    assert f"faces on {count} lines" in fault.message
+    assert (len(fault.notes), len(fault.help)) == (count, count)
+
+
 def test_a_fit_beats_a_wider_line_without_contact(tmp_path: Path) -> None:
     """A pin in its bore is preferred to a line whose wider faces are apart."""
     base = [axis((0, 0, 0), radius=10, length=4, bore=False), axis((40, 0, 0), radius=2, length=10, bore=False)]

@@ -68,6 +68,14 @@ def test_bearing_screwed_on_by_its_bore_turns_what_the_screw_holds() -> None:
     assert {"swing/arm", "swing/ball bearing"} in links(found)
 
 
+@pytest.mark.parametrize(("radius", "beside"), [(6, 0.0), (2, 7.5)])
+def test_what_stands_on_a_bearing_turns_in_it_if_it_is_on_its_axis(radius: float, beside: float) -> None:
+    """A foot on the face of a bearing in its seat turns about the bearing's axis only if that is its own."""
+    post = cylinder(radius, 30).at(beside, 0, 7) + box(60, 60, 10).at(0, 0, 42)
+    found = inferred(group("swing", part("arm", SEAT), part("ball bearing", RING)), part("post", post))
+    assert [arc.evidence.through == 3 for arc in found.arcs] == [not beside]
+
+
 def holed(solid: Solid, away: float, radius: float, turn: float) -> Solid:
     """A solid above z = 0 with six holes in a circle."""
     for k in range(6):

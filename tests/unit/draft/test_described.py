@@ -5,8 +5,9 @@ from random import Random
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
-from stepbot.draft.draft import DraftJoint
+from stepbot.draft.draft import Draft, DraftJoint
 from stepbot.draft.from_description.drafted import draft_of_description
 from stepbot.engines.description import DescribedShape, Description
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
@@ -14,6 +15,8 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import JointKind, Limit
 from stepbot.step.assembly import Assembly
+from stepbot.step.features.axis_faces import axis_faces
+from stepbot.step.kernel import faces_of
 from tests.assembled import assembled, part
 from tests.made.described import description_of
 from tests.made.kit import SCREWS
@@ -62,8 +65,8 @@ def test_a_description_is_found_in_its_assembly(kind: str, seed: int) -> None:
         assert (joint.limits.lower, joint.limits.upper) == pytest.approx((joint.zero - 0.5, joint.zero + 0.5), abs=1e-5)
 
 
-def link_of_parts(assembly: Assembly, places: Mapping[str, Array], joints: Sequence[ObservedJoint]) -> dict[str, str]:
-    """The link of each part as drafted from a description with frames at places [m]; parts named like links are theirs.
+def draft_of_parts(assembly: Assembly, places: Mapping[str, Array], joints: Sequence[ObservedJoint]) -> Draft:
+    """The draft by a description with frames at places [m]; parts named like links are theirs.
 
     A link without a part has no mass.
     """
@@ -79,7 +82,30 @@ def link_of_parts(assembly: Assembly, places: Mapping[str, Array], joints: Seque
     seen = Observation("test", "1", "urdf", links=links, joints=tuple(joints))
     draft = draft_of_description(Description(seen, frames, tuple(shapes)), assembly, "drawn", "drawn.urdf")
     assert draft is not None
+    return draft
+
+
+def link_of_parts(assembly: Assembly, places: Mapping[str, Array], joints: Sequence[ObservedJoint]) -> dict[str, str]:
+    """The link of each part in that draft."""
+    draft = draft_of_parts(assembly, places, joints)
     return {assembly.components[i].path.rpartition("/")[2]: link.name for link in draft.links for i in link.components}
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "ball"])
+@pytest.mark.parametrize("beside", [0.0, 0.002])
+def test_faces_about_the_axis_of_a_joint_are_evidence_of_it(kind: str, beside: float) -> None:
+    """Of a hinge or slide on the line of a pin in a bore, not 2 mm beside it; a ball has no line."""
+    base, arm = box(40, 40, 10) - cylinder(4, 10).at(0, 0, -5), cylinder(3.9, 30).at(0, 0, -5) + box(60, 12, 5)
+    drawn = assembled(part("base", base), part("arm", arm, z=8), is_meshed=True)
+    faces = axis_faces(faces_of(base.shape), []), axis_faces(faces_of(arm.shape), [])
+    bodies = tuple(replace(body, axis_faces=of_body) for body, of_body in zip(drawn.bodies, faces, strict=True))
+    assembly = replace(drawn, bodies=bodies)
+    limit = {} if kind == "ball" else {"axis": (0.0, 0.0, 1.0), "limit": Limit(-0.5, 0.5)}
+    at = np.array([beside, 0.0, 0.008])
+    draft = draft_of_parts(assembly, {"base": at, "arm": at}, [ObservedJoint("j", kind, "base", "arm", **limit)])
+    (joint,) = draft.joints
+    of_faces = [fact for fact in joint.confidence.evidence if "faces" in fact]
+    assert of_faces == (["its axis is that of faces of 'base', 'arm'"] if kind != "ball" and not beside else [])
 
 
 def test_a_part_of_no_link_goes_to_the_nearest_of_links_that_are_fixed() -> None:

@@ -130,6 +130,16 @@ def test_blocks_in_which_shafts_run_with_play_are_bearing_blocks() -> None:
         assert len(motors(nodes, BARE)) == count
 
 
+@pytest.mark.parametrize("radius", [8.0, 7.95])
+def test_blocks_with_a_boss_that_runs_in_what_they_turn_are_motors(radius: float) -> None:
+    """Two equal blocks on a base, each with an arm on a boss of its own, are motors, with play and without."""
+    block, arm = box(40, 30, 40) + cylinder(radius, 12).at(0, 0, 20), box(100, 24, 8).at(30, 0, 28.5)
+    nodes = [part("base", box(400, 80, 10), z=-25)]
+    for x in (-100.0, 100.0):
+        nodes += [part(f"block {x}", block, x), part(f"arm {x}", arm - cylinder(8, 8).at(0, 0, 24.5), x)]
+    assert len(motors(nodes, BARE)) == 2
+
+
 def test_a_link_is_named_after_what_its_motor_sits_in() -> None:
     """A link of a bracket and a larger servo is called as the bracket; a servo alone gives its own name."""
     whole = assembled(part("SG90 servo", CASE), part("bracket", box(10, 10, 5), 100))

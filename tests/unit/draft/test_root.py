@@ -13,7 +13,7 @@ from stepbot.draft.parts.names import Role, roles
 from stepbot.geometry.inertia import DIRECTIONS, Direction, rotation_of
 from stepbot.geometry.spatial import Pose
 from stepbot.step.assembly import Assembly, ReadOptions
-from tests.assembled import BARE, Node, inferred, links, part, turned
+from tests.assembled import BARE, Node, group, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
 from tests.unit.step.in_process import read_quietly
 
@@ -170,6 +170,16 @@ def test_a_housing_that_turns_a_stub_and_a_table_is_the_root(length: float) -> N
     table = part("table", cylinder(85, 30) + cylinder(10, 19).at(0, 0, -19))
     found = inferred(part("housing", housing), motor, shaft, load, table)
     assert "housing" in links(found)[found.root]
+
+
+@pytest.mark.parametrize(("width", "roll"), [(160, 0.0), (120, pi), (160, pi)])
+def test_what_a_motor_is_in_is_the_root_before_what_it_drives(width: float, roll: float) -> None:
+    """A plate with a servo is the root, though the one on its horn is larger, and lower if the servo hangs."""
+    servo = group("SG90 servo", part("block", box(40, 20, 30), z=-15), part("disc", cylinder(8, 3), x=10))
+    plates = part("one", box(120, 80, 10), z=-35), part("two", box(120, width, 10), 40, 0, 8)
+    found = inferred(replace(group("all", servo, *plates), X=Pose.from_xyz_rpy((0, 0, 0), (roll, 0, 0))))
+    assert joints(found) == [("revolute", "all/one", "all/two")]
+    assert "all/one" in links(found)[found.root]
 
 
 def test_a_roller_on_a_flat_axis_is_no_root() -> None:

@@ -294,7 +294,7 @@ class PairEvidence:
     def _face(self, r: Relation) -> None:
         across = self._across(r)
         score = 0.76 if across else 0.2 if self._structure.are_together(r.a, r.b) else 0.4
-        score += 0.1 * (Role.WHEEL in self._roles(r)) - 0.3 * self._is_electric(r)
+        score = max(0.0, score + 0.1 * (Role.WHEEL in self._roles(r)) - 0.3 * self._is_electric(r))
         self._joint(r, score, JointKind.REVOLUTE, f"round face of r {_mm(r.radius)} on a face")
         if not across:
             self._weld(r, 0.52, "round face on a face")

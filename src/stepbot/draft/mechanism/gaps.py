@@ -308,7 +308,7 @@ class _Seams:
             for n, seam in enumerate(seams[:_PER_PAIR]):
                 score = 0.5 + 0.2 * min(1.0, 2.5 * seam.radius / size) + 0.05 * (is_clear and n == 0)
                 score -= 0.1 * ((seam.gap > _FAR) + (seam.gap > _SEAM) + (n > 0))
-                joints.append(self._joint(seam, min(0.74, score)))
+                joints.append(self._joint(seam, score))
         return sorted(joints, key=lambda h: (-round(h.score, 6), h.a, h.b))
 
     def _joint(self, seam: _Seam, score: float) -> JointEvidence:

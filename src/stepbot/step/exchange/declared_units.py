@@ -12,18 +12,16 @@ from OCP.StepBasic import (
     StepBasic_ConversionBasedUnit,
     StepBasic_ConversionBasedUnitAndLengthUnit,
     StepBasic_ConversionBasedUnitAndMassUnit,
-    StepBasic_ConversionBasedUnitAndVolumeUnit,
     StepBasic_SiPrefix,
     StepBasic_SiUnit,
     StepBasic_SiUnitAndLengthUnit,
     StepBasic_SiUnitAndMassUnit,
-    StepBasic_SiUnitAndVolumeUnit,
 )
 from OCP.StepRepr import StepRepr_MeasureRepresentationItem
 
 from .selection import text
 
-Quantity = Literal["length", "mass", "volume", "other"]
+Quantity = Literal["length", "mass", "other"]
 
 _PREFIXES = {
     StepBasic_SiPrefix.StepBasic_spExa: ("E", 1e18),
@@ -46,9 +44,8 @@ _PREFIXES = {
 _KINDS: dict[Quantity, tuple[type, type]] = {
     "length": (StepBasic_SiUnitAndLengthUnit, StepBasic_ConversionBasedUnitAndLengthUnit),
     "mass": (StepBasic_SiUnitAndMassUnit, StepBasic_ConversionBasedUnitAndMassUnit),
-    "volume": (StepBasic_SiUnitAndVolumeUnit, StepBasic_ConversionBasedUnitAndVolumeUnit),
 }
-_SI = {"length": ("m", 1.0), "mass": ("g", 1e-3), "volume": ("m^3", 1.0)}
+_SI = {"length": ("m", 1.0), "mass": ("g", 1e-3)}
 
 KNOWN_LENGTHS = {
     "inch": 0.0254, "in": 0.0254, "foot": 0.3048, "feet": 0.3048, "ft": 0.3048, "yard": 0.9144, "mile": 1609.344,
@@ -66,7 +63,7 @@ class DeclaredUnit(Struct, frozen=True):
     name: str
     """``mm``, ``inch``, ``kg`` ..., in the usual spelling."""
     size: float
-    """In m, kg or m^3; 0 for an invalid declaration."""
+    """In m or kg; 0 for an invalid declaration."""
 
 
 class DerivedUnit(Struct, frozen=True):
@@ -101,7 +98,7 @@ def derived_unit(measure: Any) -> DerivedUnit | None:
             return None
         size *= unit.size**exponent
         mass += exponent if unit.quantity == "mass" else 0.0
-        length += exponent * {"length": 1.0, "volume": 3.0}.get(unit.quantity, 0.0)
+        length += exponent if unit.quantity == "length" else 0.0
         names.append(f"{unit.name}^{exponent:g}" if exponent != 1.0 else unit.name)
     return DerivedUnit(" ".join(names), size, (mass, length))
 

@@ -18,11 +18,11 @@ from OCP.TCollection import TCollection_HAsciiString
 
 from stepbot.geometry.spatial import Array, dot, length, unit
 
-from ..kernel import StepUnreadable
+from ..kernel import StepUnreadable, is_same_motion
 from .selection import entities
 
 _SAME = 1e-9
-"""Relative deviation up to which two matrices are equal."""
+"""Deviation of unit vectors up to which they are parallel."""
 
 
 def correct_operators(session: Any) -> int:
@@ -41,9 +41,9 @@ def correct_operators(session: Any) -> int:
         except ValueError:
             raise StepUnreadable("a transformation operator has an axis without a direction, or no origin") from None
         meant = np.column_stack([scale * R, origin])
-        if not _is_close(_as_read(operator), meant):
+        if not is_same_motion(_as_read(operator), meant):
             _rewrite(operator, R, origin, scale)
-            if not _is_close(_as_read(operator), meant):
+            if not is_same_motion(_as_read(operator), meant):
                 raise StepUnreadable("the kernel does not support a transformation operator")
             corrected += 1
     return corrected
@@ -79,10 +79,6 @@ def _as_read(operator: Any) -> Array:
     transformation = gp_Trsf()
     StepToGeom.MakeTransformation3d_s(operator, transformation, StepData_Factors())
     return np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
-
-
-def _is_close(a: Array, b: Array) -> bool:
-    return bool(np.abs(a - b).max() <= _SAME * max(1.0, float(np.abs(b).max())))
 
 
 def _ratios(direction: Any) -> Array:

@@ -49,8 +49,6 @@ def _axis_face(face: Any) -> AxisFace | None:
     if quadric is None or (size := size_on(quadric, face)) is None:
         return None
     low, high, radius = size
-    if not radius > _SMALLEST:  # degenerate to a line, in broken files
-        return None
     axis = quadric.Axis()
     point, direction, scale = axis.Location(), axis.Direction(), MILLIMETRES_PER_METRE
     return AxisFace(
@@ -76,7 +74,7 @@ def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
 def size_on(quadric: gp_Cylinder | gp_Cone, face: Any) -> tuple[float, float, float] | None:
     """Lowest and highest position [mm] of a face's edges along the axis of its quadric, and its radius [mm].
 
-    Of a cone, the larger radius. None for a face without an extent, or an infinite one.
+    Of a cone, the larger radius. None for a face without an extent, an infinite one, or one that is a line.
     """
     low, high = math.inf, -math.inf
     for edge in map(TopoDS.Edge, explored(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
@@ -85,10 +83,11 @@ def size_on(quadric: gp_Cylinder | gp_Cone, face: Any) -> tuple[float, float, fl
                 low, high = min(low, place), max(high, place)
     if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
         return None
+    radius = float(quadric.RefRadius() if isinstance(quadric, gp_Cone) else quadric.Radius())
     if isinstance(quadric, gp_Cone):
-        start, slope = float(quadric.RefRadius()), math.tan(quadric.SemiAngle())
-        return low, high, max(abs(start + low * slope), abs(start + high * slope))
-    return low, high, quadric.Radius()
+        slope = math.tan(quadric.SemiAngle())
+        radius = max(abs(radius + low * slope), abs(radius + high * slope))
+    return (low, high, radius) if radius > _SMALLEST else None  # degenerate to a line, in broken files
 
 
 def outwards(face: Any, surface: Any) -> tuple[gp_Pnt, gp_Vec]:

@@ -20,8 +20,6 @@ from ..faces import Face, FaceKind
 from ..kernel import MILLIMETRES_PER_METRE, evaluated, explored
 from .axis_faces import FREE_FORMS, is_bore, outwards, recognized, size_on
 
-_SMALLEST = 1e-3
-"""Radius [mm] below which a face is ignored."""
 _LARGEST = 1e6
 """Size [mm] of a bounding box from which it is that of an infinite surface, not of the face."""
 _SEGMENTS = 16
@@ -81,7 +79,7 @@ def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3])
 
 def _revolved(face: Any, surface: Any, quadric: Any, box: tuple[Vector3, Vector3]) -> Face | None:
     size = size_on(quadric, face)
-    if size is None or not size[2] > _SMALLEST:
+    if size is None:
         return None
     low, high, radius = size
     kind, axis = FaceKind.CONE if isinstance(quadric, gp_Cone) else FaceKind.CYLINDER, quadric.Axis()

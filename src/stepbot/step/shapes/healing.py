@@ -76,17 +76,15 @@ def healed(shape: Any, precision: float, colored: list[int]) -> Healed:
     fix.Perform()
     result = fix.Shape()
     after = mapped(result, TopAbs_ShapeEnum.TopAbs_FACE)
-    origin = [-1] * after.Extent()
+    origins: dict[int, int] = {}  # by the number of the face, from 1; that of a face that is dropped is 0
     for place in colored:
         replacement = fix.Context().Apply(before.FindKey(place + 1))
         if replacement is None or replacement.IsNull():
             continue
         pieces = mapped(replacement, TopAbs_ShapeEnum.TopAbs_FACE)
         for piece in range(1, pieces.Extent() + 1):
-            index = after.FindIndex(pieces.FindKey(piece))
-            if index > 0:
-                origin[index - 1] = place
-    return Healed(result, origin)
+            origins[after.FindIndex(pieces.FindKey(piece))] = place
+    return Healed(result, [origins.get(number, -1) for number in range(1, after.Extent() + 1)])
 
 
 def with_islands(body: Healed) -> Healed | None:

@@ -8,7 +8,6 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
-import numpy as np
 from msgspec import Struct
 from OCP.gp import gp_Ax3, gp_Trsf
 from OCP.StepBasic import StepBasic_ProductDefinition
@@ -24,14 +23,11 @@ from stepbot.step.assembly import Component, MeshTolerance, ReadOptions
 
 from ..exchange.length_unit import unit_factors
 from ..exchange.selection import entities, items
-from ..kernel import matrices_of
+from ..kernel import is_same_motion, matrices_of
 from .paths import ComponentPaths, nearest_claim
 
 MANY = 16
 """Number of occurrences of one product in one assembly up to which the kernel places them all."""
-
-_SAME = 1e-9
-"""Deviation of two poses, as matrices [m], up to which they are equal."""
 
 
 class MisplacedOccurrence(Exception):
@@ -52,7 +48,7 @@ class Repetition(Struct, frozen=True, eq=False):
         Raises:
             MisplacedOccurrence: The poses differ.
         """
-        if np.abs(placed - self.matrices[self.first]).max() > _SAME * max(1.0, float(np.abs(placed).max())):
+        if not is_same_motion(self.matrices[self.first], placed):
             raise MisplacedOccurrence
 
 

@@ -16,8 +16,8 @@ BRACKET = (
 )
 
 
-def write_mapped(path: Path, axes: tuple[str, str, str], scale: str) -> None:
-    """A product that maps a bracket by an operator at (100, 0, 0) with these axes and scale."""
+def write_mapped(path: Path, axes: tuple[str, str, str], scale: str, place: str = "(100.,0.,0.)") -> None:
+    """A product that maps a bracket by an operator with these axes and scale, and this place [mm]."""
     parts.draw(path, parts.drawn("bracket", BRACKET))
     text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
     brep = re.search(r"#(\d+)=ADVANCED_BREP_SHAPE_REPRESENTATION\('[^']*',\((#\d+),#\d+\),(#\d+)\)", text)
@@ -31,7 +31,7 @@ def write_mapped(path: Path, axes: tuple[str, str, str], scale: str) -> None:
 #9004=PRODUCT_DEFINITION_CONTEXT('part definition',#{application[1]},'design');
 #9005=PRODUCT_DEFINITION('design','',#9003,#9004);
 #9006=PRODUCT_DEFINITION_SHAPE('','',#9005);
-#9010=CARTESIAN_POINT('',(100.,0.,0.));
+#9010=CARTESIAN_POINT('',{place});
 #9011=DIRECTION('',{axes[0]});
 #9012=DIRECTION('',{axes[1]});
 #9013=DIRECTION('',{axes[2]});
@@ -77,6 +77,21 @@ def test_operator(axes: tuple[str, str, str], scale: str, matrix: Array, tmp_pat
     assert found.com == pytest.approx(A @ drawn.com + [0.1, 0, 0], abs=1e-12)
     turned = A @ np.array(drawn.inertia) @ A.T * size**3
     assert np.abs(np.array(found.inertia) - turned).max() < 1e-9 * np.abs(turned).max()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_operator_far_from_the_origin(sign: float, tmp_path: Path) -> None:
+    """Turned or mirrored, 1000 km away, where doubles are 1e-10 m apart: the bracket is where the file has it."""
+    path = tmp_path / "mapped.step"
+    place, A = (1e9 + 0.1, 2e9 + 0.3, -1e9 - 0.7), np.array([[0.6, -0.8 * sign, 0], [0.8, 0.6 * sign, 0], [0, 0, 1]])
+    axes = [f"({','.join(map(str, column))})" for column in A.T.tolist()]
+    write_mapped(path, (axes[0], axes[1], axes[2]), "1.", str(place))
+    assembly = read_quietly(path)
+    (component,) = (c for c in assembly.components if c.product == "shown")
+    body = assembly.bodies[component.body]
+    assert body.exact is not None
+    com = body.exact.unit_density.moved(component.X_WC).com
+    assert com == pytest.approx(A @ BRACKET.moments.in_metres().com + np.array(place) * 1e-3, abs=1e-8)
 
 
 def test_an_axis_without_direction(tmp_path: Path, diagnostics: ReadDiagnostics) -> None:

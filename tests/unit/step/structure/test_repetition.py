@@ -74,6 +74,15 @@ def test_a_kernel_that_disagrees_gets_all_the_work(tmp_path: Path, monkeypatch: 
     assert checked
 
 
+def test_a_turn_is_another_placement_however_far_away() -> None:
+    """Of two poses 1000 km from the origin, one is turned by a microradian: rounding is 1e-10 m there."""
+    far = np.array(pose((1e6, -2e6, 3e6), turn("x", 0.3)))
+    found = repetition.Repetition(0, {0: far})
+    found.check(np.array(pose((1e6 + 1e-9, -2e6, 3e6), turn("x", 0.3))))
+    with pytest.raises(repetition.MisplacedOccurrence):
+        found.check(np.array(pose((1e6, -2e6, 3e6), turn("x", 0.3 + 1e-6))))
+
+
 def test_coloured_occurrences_are_left_to_the_kernel(tmp_path: Path) -> None:
     """Coloured occurrences are placed by the kernel, which attaches the colours."""
     path = tmp_path / "many.step"
