@@ -1,4 +1,4 @@
-"""An assembly with many instances of another one on a plate: equal parts, as in a cell of robots."""
+"""An assembly with many instances of another one on a plate, as in a cell of robots: of equal or of distinct parts."""
 
 from pathlib import Path
 
@@ -17,12 +17,17 @@ _APART = 500.0
 _COLUMNS = 10
 
 
-def write_instances(step: Path, count: int, to: Path) -> None:
-    """Write a STEP file with so many instances of the assembly of another one."""
+def write_instances(step: Path, count: int, to: Path, *, distinct: bool = False) -> None:
+    """Write a STEP file with so many instances of the assembly of another one.
+
+    Args:
+        distinct: Whether each has definitions of its own, as if every robot were another one.
+    """
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    reader = STEPCAFControl_Reader()
-    reader.ReadFile(str(step))
-    reader.Transfer(document)
+    for _ in range(count if distinct else 1):
+        reader = STEPCAFControl_Reader()
+        reader.ReadFile(str(step))
+        reader.Transfer(document)
     shapes, free = XCAFDoc_DocumentTool.ShapeTool_s(document.Main()), Sequence_TDF_Label()
     shapes.GetFreeShapes(free)
     cell = shapes.NewShape()
@@ -32,7 +37,7 @@ def write_instances(step: Path, count: int, to: Path) -> None:
     shapes.AddComponent(cell, plate, _at(-0.5 * _APART, -0.5 * _APART, -200.0))
     for number in range(count):
         row, column = divmod(number, _COLUMNS)
-        shapes.AddComponent(cell, free.Value(1), _at(column * _APART, row * _APART, 0.0))
+        shapes.AddComponent(cell, free.Value(number + 1 if distinct else 1), _at(column * _APART, row * _APART, 0.0))
     shapes.UpdateAssemblies()
     writer = STEPCAFControl_Writer()
     writer.Transfer(document)

@@ -8,7 +8,7 @@ import subprocess
 import threading
 import time
 import urllib.request
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from queue import SimpleQueue
 from statistics import median
@@ -34,15 +34,22 @@ def times(case: Case, rounds: int) -> Iterator[str]:
     """A line for each command and pace: the median and the longest time [s]."""
     for arguments in (("watch",), ("view", "--edit")):
         for pace in _PACES:
-            taken = list(_times(case, arguments, pace, rounds))
+            taken = list(_times(case, arguments, pace, rounds, case.environment))
             name = " ".join(arguments)
             yield f"{name}, a save every {pace:g} s: median {median(taken):.2f} s, longest {max(taken):.2f} s"
 
 
-def _times(case: Case, arguments: Sequence[str], pace: float, rounds: int) -> Iterator[float]:
+def seconds_to_page(case: Case, environment: Mapping[str, str], rounds: int) -> Iterator[float]:
+    """Seconds from a save to the page of ``view --edit``, with time between saves to prove what was shown."""
+    return _times(case, ("view", "--edit"), _PACES[-1], rounds, environment)
+
+
+def _times(
+    case: Case, arguments: Sequence[str], pace: float, rounds: int, environment: Mapping[str, str]
+) -> Iterator[float]:
     command = [*STEPBOT, *arguments, "--no-open", str(case.sidecar)]
     output, errors = subprocess.PIPE, subprocess.STDOUT
-    with subprocess.Popen(command, stdout=output, stderr=errors, text=True, env=case.environment) as served:
+    with subprocess.Popen(command, stdout=output, stderr=errors, text=True, env=environment) as served:
         try:
             assert served.stdout is not None
             url = next(found[0] for line in served.stdout if (found := _ADDRESS.search(line)))

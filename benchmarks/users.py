@@ -20,7 +20,8 @@ from .comparison import alternate
 from .contenders import ROOT, STEPBOT, Case, Contender
 from .gate import Source, source_of
 from .instances import write_instances
-from .timing import peak_memory, timed
+from .live import seconds_to_page
+from .timing import Cost, peak_memory, timed
 
 PAGE = ROOT / "docs" / "commands.md"
 _PART = re.compile(r"(<!-- table -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -53,20 +54,27 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--against", required=True, metavar="REVISION", help="an earlier stepbot")
     parser.add_argument("-n", "--rounds", type=int, default=5, metavar="N", help="[default: 5]")
     parser.add_argument("--instances", type=int, default=60, metavar="N", help="0 for none [default: 60]")
+    parser.add_argument("--distinct", type=int, default=20, metavar="N", help="0 for none [default: 20]")
     parser.add_argument("--write", action="store_true", help="update the page")
 
 
 def lines(
-    sidecar: Path, others: Sequence[Path], instances: int, revision: str, rounds: int, folder: Path, case_of: CaseOf
+    sidecar: Path,
+    others: Sequence[Path],
+    many: tuple[int, int],
+    revision: str,
+    rounds: int,
+    folder: Path,
+    case_of: CaseOf,
 ) -> Iterator[Line]:
     """Measure all lines, one after the other.
 
     Args:
         sidecar: The robot of most lines.
         others: Further STEP files, for the first conversion.
-        instances: Number of instances in the line of many; 0 for no such line.
+        many: Numbers of instances and of distinct robots in the lines of many; 0 for no such lines.
         revision: The earlier revision.
-        rounds: Of most lines; those of several files and of many instances have one.
+        rounds: Of most lines; those of several files and of many robots have one.
         folder: For copies and results.
         case_of: Makes the case of a sidecar.
     """
@@ -82,8 +90,13 @@ def lines(
         values = ([one for line in ofs for one in getattr(line, name)] for name in ("now", "before", "elapsed"))
         yield Line(f"first conversion of {len(ofs)} assemblies with one link", who.BARE.name, *values)
     yield _batch(sources, folder)
+    seconds = [list(seconds_to_page(case, one.environment(case), rounds)) for one in sources]
+    yield Line("from a save to the changed robot in the page of `view --edit`, elapsed", "seconds", *seconds)
+    instances, distinct = many
     if instances:
         yield from _many(case.step, instances, sources, folder, case_of)
+    if distinct:
+        yield from _distinct(case.step, distinct, sources, folder, case_of)
 
 
 def _line(
@@ -145,15 +158,32 @@ def _many(step: Path, count: int, sources: Sequence[Source], folder: Path, case_
     for what, arguments in (("first conversion", ("convert", "-o", "out", "--no-verify")), ("`init`", ("init",))):
         ratios = []
         for one in sources:
-            costs = [_cost(case, arguments, one.environment(case)) for case in cases]
+            costs = [_cost(case, arguments, one.environment(case)).cpu for case in cases]
             ratios.append([costs[1] / costs[0]])
         yield Line(f"{what} of {count} instances of the robot", "one instance", *ratios)
 
 
-def _cost(case: Case, arguments: Sequence[str], environment: Mapping[str, str]) -> float:
+def _distinct(step: Path, count: int, sources: Sequence[Source], folder: Path, case_of: CaseOf) -> Iterator[Line]:
+    """Large assemblies of different parts, relative to the script that reads and meshes them."""
+    path = folder / f"distinct{count}.step"
+    write_instances(step, count, path, distinct=True)
+    case = _plain(path, folder, case_of)
+    bare = timed(who.BARE.command(case), case.folder, case.environment)
+    for arguments in (("inspect",), ("convert", "-o", "out", "--no-verify"), ("init",)):
+        costs = [_cost(case, arguments, one.environment(case)) for one in sources]
+        (now,), (before,) = ([cost.cpu / bare.cpu] for cost in costs)
+        what = f"`{arguments[0]}` of {count} distinct robots in one file of {path.stat().st_size / 1e6:.0f} MB"
+        yield Line(what, who.BARE.name, [now], [before], [costs[0].wall / bare.wall])
+
+
+def _cost(case: Case, arguments: Sequence[str], environment: Mapping[str, str]) -> Cost:
     name, *options = arguments
-    given = [case.sidecar.name] if name == "convert" else [case.step.name, "-o", "drafted.robot.yaml", "--force"]
-    return timed([*STEPBOT, name, *given, *options, "--no-cache"], case.folder, environment).cpu
+    given = {
+        "convert": [case.sidecar.name],
+        "init": [case.step.name, "-o", "drafted.robot.yaml", "--force"],
+        "inspect": [case.step.name],
+    }[name]
+    return timed([*STEPBOT, name, *given, *options, "--no-cache"], case.folder, environment)
 
 
 def publish(found: Iterable[Line], conditions: str, *, write: bool) -> None:
