@@ -234,7 +234,7 @@ class Question(Struct, frozen=True):
     @property
     def drafted(self) -> Option:
         """The option that the draft has taken."""
-        return next((option for option in self.options if option.is_drafted), self.options[0])
+        return next(option for option in self.options if option.is_drafted)
 
 
 class Draft(Struct, frozen=True):

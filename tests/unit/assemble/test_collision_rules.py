@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from stepbot.assemble import build_robot
+from stepbot.assemble.fitted_collisions import ScoredCollisions
 from stepbot.geometry.solids.slivers import face_normals
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Box, Cylinder, Geometry, MeshRef, Robot, Sphere
+from stepbot.robot.model import Box, Cylinder, Geometry, Link, MeshRef, Robot, Sphere
 from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop, at, build, built, sidecar
@@ -208,6 +209,22 @@ def test_error_of_a_bounded_hull_is_reported(tmp_path: Path) -> None:
     assert [dict(one.shapes) for one in (score, cube)] == [{"hull": 1}, {"mesh": 1}]
     assert score.overshoot == pytest.approx(0.005 * (sqrt(2.0) - 1.0), abs=1e-4)
     assert score.iou == pytest.approx(pi / 4.0, abs=5e-3)
+
+
+@pytest.mark.parametrize(("rule", "is_new"), [("auto", False), ("{shape: hull, max_vertices: 8}", True)])
+def test_a_set_is_scored_once(rule: str, is_new: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fitted set keeps the score of its fitting; a bounded hull, which is not fitted, is scored for the report."""
+    shop = Workshop()
+    shop.rod("pin", radius=5.0, length=10.0, sides=64)
+    text = f"    defaults: {{density: 1000}}\n    links: {{base: {{rest: true, collision: {rule}}}}}\n"
+    made = build_robot(shop.assembly, sidecar(tmp_path, text), lambda: shop.measures, ReadDiagnostics())
+    assert made is not None
+    asked: list[Link] = []
+    unscored = ScoredCollisions._unscored
+    monkeypatch.setattr(ScoredCollisions, "_unscored", lambda self, link: asked.append(link) or unscored(self, link))
+    (score,) = made.collisions.result()
+    assert score.iou > 0.6
+    assert bool(asked) == is_new
 
 
 def test_useless_budget(tmp_path: Path) -> None:

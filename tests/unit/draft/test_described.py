@@ -9,6 +9,8 @@ from msgspec.structs import replace
 
 from stepbot.draft.draft import Draft, DraftJoint
 from stepbot.draft.from_description.drafted import draft_of_description
+from stepbot.draft.from_description.lines import Lines
+from stepbot.draft.parts.axis import Axis
 from stepbot.engines.description import DescribedShape, Description
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.geometry.mesh import TriMesh
@@ -17,7 +19,7 @@ from stepbot.robot.model import JointKind, Limit
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axis_faces import axis_faces
 from stepbot.step.kernel import faces_of
-from tests.assembled import assembled, part
+from tests.assembled import assembled, part, turned
 from tests.made.described import description_of
 from tests.made.kit import SCREWS
 from tests.made.scored import drawn
@@ -89,6 +91,30 @@ def link_of_parts(assembly: Assembly, places: Mapping[str, Array], joints: Seque
     """The link of each part in that draft."""
     draft = draft_of_parts(assembly, places, joints)
     return {assembly.components[i].path.rpartition("/")[2]: link.name for link in draft.links for i in link.components}
+
+
+@pytest.mark.parametrize(("kind", "is_limited"), [("revolute", True), ("continuous", False), ("fixed", False)])
+def test_limits_are_those_of_the_description(kind: str, is_limited: bool) -> None:
+    """A joint that turns endlessly has none, nor has one that does not turn, whatever is written there."""
+    nodes = part("base", box(40, 40, 10)), part("arm", box(60, 12, 5), z=8)
+    limit = Limit() if kind == "continuous" else Limit(-0.5, 0.25, 2.0, 3.0)
+    joint = ObservedJoint("j", kind, "base", "arm", axis=(0.0, 0.0, 1.0), limit=limit)
+    draft = draft_of_parts(assembled(*nodes, is_meshed=True), dict.fromkeys(("base", "arm"), np.zeros(3)), [joint])
+    assert [one.limits for one in draft.joints] == [limit if is_limited else None]
+
+
+def test_every_line_of_faces_is_known() -> None:
+    """Each of four bores of a plate, one across it, is a line, however many are parallel; between them is none."""
+    plate, at = box(80, 60, 10), [(-25.0, -15.0), (-25.0, 15.0), (25.0, 15.0)]
+    for x, y in at:
+        plate -= cylinder(3, 10).at(x, y, -5)
+    plate -= turned(cylinder(2, 80), -40, 0, 0, (0, np.pi / 2, 0))
+    drawn = assembled(part("plate", plate, 100))
+    (body,) = drawn.bodies
+    lines = Lines(replace(drawn, bodies=(replace(body, axis_faces=axis_faces(faces_of(plate.shape), [])),)))
+    upright = [np.array([0.1 + 1e-3 * x, 1e-3 * y, 1.0]) for x, y in [*at, (25.0, -15.0)]]
+    assert [lines.has(Axis(point, np.array([0.0, 0.0, 1.0]))) for point in upright] == [True, True, True, False]
+    assert lines.has(Axis(np.zeros(3), np.array([-1.0, 0.0, 0.0])))
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic", "ball"])

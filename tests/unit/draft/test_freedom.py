@@ -72,3 +72,9 @@ def test_tilted_shafts_lock_whatever_their_number(count: int, angle: float, kind
     """Two shafts on one line, tilted to both sides, lock from 2 mrad / sqrt(2), and many pairs as one does."""
     shafts = [shaft(AT, np.array([np.sin(sign * angle), 0.0, np.cos(angle)])) for sign in (-1, 1) for _ in range(count)]
     assert freedom(shafts, [], [], AT, 0.03).kind == kind
+
+
+def test_what_touches_nothing_is_free() -> None:
+    """A body without contacts has the six freedoms of a body."""
+    found = freedom([], [], [], AT, 0.03)
+    assert (found.kind, found.dof) == (FreedomKind.LOOSE, 6)

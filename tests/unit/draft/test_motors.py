@@ -81,6 +81,15 @@ def test_motor_by_use_is_its_subassembly() -> None:
     assert [len(motor.parts) for motor in found] == [6, 6]
 
 
+@pytest.mark.parametrize(("length", "count"), [(60, 7), (110, 1)])
+def test_a_subassembly_much_larger_than_the_case_is_more_than_a_motor(length: float, count: int) -> None:
+    """A strip on the case, of one subassembly with the servo, is of the motor if it is hardly larger than the case."""
+    base, *others = two_servos()
+    strips = {"a": part("strip", box(length, 4, 2), -100, -8, 1), "b": part("strip", box(length, 4, 2), 100, -8, 1)}
+    nodes = [replace(one, children=(*one.children, strips[one.name])) if one.children else one for one in others]
+    assert [len(motor.parts) for motor in motors([base, *nodes], NAMELESS)] == [count, count]
+
+
 def test_output_of_a_motor_by_use_is_the_widest() -> None:
     """The joint is about the disc, not about a screw, and is to be reviewed; both sides are right."""
     for sources in (BARE, NAMELESS):

@@ -4,10 +4,13 @@ from math import pi
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
-from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
+from stepbot.draft.evidence.evidence import Evidence
+from stepbot.draft.evidence.rollers import roller_evidence
 from stepbot.robot.model import JointKind
-from tests.assembled import BARE, Node, cut, group, inferred, joints, links, part, turned
+from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cone, cylinder
 
 COUNT = 6
@@ -37,6 +40,16 @@ def test_rollers_of_mecanum_and_omni_wheels_turn_about_their_own_axes(inclinatio
             assert abs(arc.evidence.axis.d[2]) == pytest.approx(np.cos(inclination), abs=1e-9)
         else:
             assert np.allclose(abs(arc.evidence.axis.d), (0, 0, 1))
+
+
+@pytest.mark.parametrize(("name", "count"), [("barrel", COUNT), ("M12x30 screw", 0)])
+def test_screws_around_a_hub_are_no_rollers(name: str, count: int) -> None:
+    """What has the place and shape of rollers, and is named a screw, does not turn on the hub."""
+    hub, *rollers = wheel(pi / 4)
+    nodes = [replace(one, name=f"{name} {n}") for n, one in enumerate(rollers)]
+    found = Evidence()
+    roller_evidence(Survey(assembled(BASE, hub, *nodes), ALL_SOURCES), found)
+    assert sum(joint.of_roller for joint in found.joints) == count
 
 
 def test_rollers_are_around_the_hub_beside_a_larger_motor_and_their_pins_are_none() -> None:

@@ -19,7 +19,7 @@ from stepbot.draft.draft import (
     OriginSnippet,
     Question,
 )
-from stepbot.draft.text.sidecar_text import sidecar_text
+from stepbot.draft.text.sidecar_text import equal_density, sidecar_text
 from stepbot.robot.model import JointKind, Limit, Robot
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
@@ -161,6 +161,34 @@ def test_weak_joint_is_marked_with_other_readings_to_uncomment(tmp_path: Path) -
         assert result.robot.joints[0].kind is kind
     joint = result.robot.joints[0]
     assert joint.X_PC.turn(joint.axis) == pytest.approx((0.0, 0.6, 0.8))
+
+
+def test_another_reading_of_a_joint_has_its_axis(tmp_path: Path) -> None:
+    """A slide in place of a hinge is along the hinge's axis, also if the sidecar states that axis."""
+    origin = OriginSnippet(OriginForm.XYZ, xyz=(0.0, 0.0, 0.01))
+    turning = replace(HINGE, origin=origin, axis="x", direction=(1.0, 0.0, 0.0))
+    slide = Alternative(JointKind.PRISMATIC, "base", "arm", Confidence(0.6), turning.point, turning.direction)
+    text = sidecar_text(replace(DRAFT, joints=(replace(turning, alternatives=(slide,)),)), "robot.step")
+    sidecar, found = read(uncommented(text, "# elbow: {type: prismatic"), tmp_path)
+    made = shop()
+    result = build_robot(made.assembly, sidecar, lambda: made.measures, found)
+    assert result is not None, "\n".join(map(str, found))
+    (joint,) = result.robot.joints
+    assert (joint.kind, joint.X_PC.turn(joint.axis).tolist()) == (JointKind.PRISMATIC, [1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("densities", "shared"),
+    [([7850.0] * 3, 0.0), ([7850.0] * 4, 7850.0), ([7850.0] * 4 + [2700.0], 0.0), ([None] * 4, 0.0)],
+)
+def test_several_solids_of_one_density_are_suspected(densities: list[float | None], shared: float) -> None:
+    """Four solids and more that all have one density may have a program's default; surfaces have none."""
+    made = Workshop()
+    for n in range(len(densities)):
+        made.box(f"box {n}")
+    values = [None] * (len(made.assembly.components) - len(densities)) + densities
+    solids = tuple(replace(c, density=one) for c, one in zip(made.assembly.components, values, strict=True))
+    assert equal_density(replace(made.assembly, components=solids)) == shared
 
 
 def test_joint_that_is_not_chosen_is_fixed_with_the_guess_beneath(tmp_path: Path) -> None:

@@ -1,14 +1,15 @@
 """Subassemblies as links."""
 
-from math import pi
+from math import pi, sqrt
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.evidence.evidence import Evidence, Weld
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
 from stepbot.geometry.spatial import Pose
-from tests.assembled import Node, assembled, group, inferred, joints, links, part, turned
+from tests.assembled import Node, assembled, cut, group, inferred, joints, links, part, turned
 from tests.solids import box, cylinder
 
 BLOCK = box(40, 40, 10)
@@ -136,13 +137,26 @@ def test_actuators_bought_as_a_whole_have_a_joint_each() -> None:
     assert {"arm", "one/flange", "two/housing"} in links(found)
 
 
-def test_three_equal_pieces_are_a_list() -> None:
-    """A subassembly of feet that touch a frame each, and not each other, is no link."""
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_three_equal_pieces_are_a_list(count: int) -> None:
+    """A subassembly of feet that touch a frame each, and not each other, is no link; two may be plates of one."""
     foot = cylinder(15, 10) + cylinder(4, 20).at(0, 0, 10)
-    places = [(x, y) for x in (-100, 100) for y in (-80, 80)]
+    places = [(x, y) for x in (-100, 100) for y in (-80, 80)][:count]
     frame = box(260, 200, 20).at(0, 0, 20)
     for x, y in places:
         frame = frame - cylinder(4, 60).at(x, y, 0)
     feet = group("feet", *(part(f"foot {n}", foot, x, y) for n, (x, y) in enumerate(places)))
     found = structure(group("machine", part("frame", frame), part("cabinet", box(200, 150, 300), z=180)), feet)
-    assert not found.are_together(5, 6)
+    assert found.are_together(5, 6) == (count == 2)
+
+
+@pytest.mark.parametrize("rpy", [(0, 0, 0), (0.5, -0.4, 0.9)])
+def test_a_part_beside_the_edge_of_an_open_frame_is_near(rpy: tuple[float, float, float]) -> None:
+    """A cube of bars has planes with little in them: only their edges count, 2 and 14 mm from two blocks."""
+    frame = box(100, 100, 100)
+    for turn in ((0, 0, 0), (pi / 2, 0, 0), (0, pi / 2, 0)):
+        frame = cut(frame, turned(box(80, 80, 120), rpy=turn))
+    nodes = part("frame", frame), part("block", box(10, 10, 10), 57, 0, 55), part("inside", box(60, 60, 60))
+    whole = replace(group("turned", *nodes), X=Pose.from_xyz_rpy((0, 0, 0), rpy))
+    scene = Survey(assembled(whole), ALL_SOURCES).scene
+    assert [scene.gap([2], other) for other in (3, 4)] == pytest.approx([2e-3, 10e-3 * sqrt(2.0)], abs=1e-9)

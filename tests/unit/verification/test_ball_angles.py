@@ -119,3 +119,11 @@ def test_a_screw_of_two_joints_has_the_forces_and_limits_of_both(m: float, sprin
         allowed = all(limit.lower <= at <= limit.upper for limit, at in zip(limits, (q, m * q), strict=True))
         assert (screw.limit.lower <= q <= screw.limit.upper) == allowed
     assert screw.limit.velocity == pytest.approx(min(3.0, 5.0 / abs(m)))
+
+
+@pytest.mark.parametrize("without", ["turn", "slide"])
+def test_a_screw_of_two_joints_has_no_limit_that_one_does_not_report(without: str) -> None:
+    """Where an engine reports the limit of one of both joints alone, nothing is made up of it."""
+    limits = {name: None if name == without else Limit(-1.0, 2.0) for name in ("turn", "slide")}
+    turn, slide = (ObservedJoint(name, name, "a", "b", limit=limit) for name, limit in limits.items())
+    assert _both(turn, slide, 2.0).limit == limits["turn"]

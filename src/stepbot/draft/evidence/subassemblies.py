@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import Survey
@@ -178,7 +179,7 @@ def body_welds(survey: Survey, motors: Sequence[Sequence[int]], evidence: Eviden
         bodies = [i for i in bodies if i not in survey.small]
         if len(bodies) < 2 or c.index in survey.tops or not survey.sources.tree or in_motor.intersection(bodies):
             continue
-        pairs = {(a, b) for n, a in enumerate(bodies) for b in bodies[n + 1 :]}
+        pairs = set(combinations(bodies, 2))
         if any(r is not None and r.holes > 1 for r in map(survey.relations.get, pairs)) or moving & pairs:
             continue  # what is bolted together, or moves in a loop, is an assembly that was drawn in one part
         products[c.index] = bodies

@@ -251,7 +251,7 @@ def _rates(joint: Joint) -> tuple[tuple[str, float], ...]:
 
 def _rounded(inertial: MassProperties) -> MassProperties:
     """Without rounding errors of composed rotations: products of inertia to 1e-9 of the largest moment."""
-    largest = float(np.abs(inertial.inertia).max()) or 1.0
+    largest = float(np.abs(inertial.inertia).max())
     inertia = np.array(inertial.inertia)
     inertia[np.abs(inertia) < 1e-9 * largest] = 0.0
     return MassProperties.of(inertial.mass, (np.round(inertial.com, 9) + 0.0).tolist(), inertia)

@@ -22,16 +22,15 @@ from ..kernel import StepUnreadable, is_same_motion
 from .selection import entities
 
 _SAME = 1e-9
-"""Deviation of unit vectors up to which they are parallel."""
+"""Sine up to which directions are parallel."""
 
 
-def correct_operators(session: Any) -> int:
-    """Rewrite the operators that the kernel would misread; returns their number.
+def correct_operators(session: Any) -> None:
+    """Rewrite the operators that the kernel would misread.
 
     Raises:
         StepUnreadable: An operator is not a valid transformation.
     """
-    corrected = 0
     for operator in entities(session, StepGeom_CartesianTransformationOperator3d):
         scale = operator.Scale() if operator.HasScale() else 1.0
         if scale <= 0.0:
@@ -45,8 +44,6 @@ def correct_operators(session: Any) -> int:
             _rewrite(operator, R, origin, scale)
             if not is_same_motion(_as_read(operator), meant):
                 raise StepUnreadable("the kernel does not support a transformation operator")
-            corrected += 1
-    return corrected
 
 
 def _axes(operator: Any) -> Array:

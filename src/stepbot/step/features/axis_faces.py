@@ -74,7 +74,7 @@ def _quadric(face: Any, surface: Any) -> gp_Cylinder | gp_Cone | None:
 def size_on(quadric: gp_Cylinder | gp_Cone, face: Any) -> tuple[float, float, float] | None:
     """Lowest and highest position [mm] of a face's edges along the axis of its quadric, and its radius [mm].
 
-    Of a cone, the larger radius. None for a face without an extent, an infinite one, or one that is a line.
+    Of a cone, the larger radius. None for a face without extent, an infinite one or a line.
     """
     low, high = math.inf, -math.inf
     for edge in map(TopoDS.Edge, explored(face, TopAbs_ShapeEnum.TopAbs_EDGE)):
@@ -87,7 +87,7 @@ def size_on(quadric: gp_Cylinder | gp_Cone, face: Any) -> tuple[float, float, fl
     if isinstance(quadric, gp_Cone):
         slope = math.tan(quadric.SemiAngle())
         radius = max(abs(radius + low * slope), abs(radius + high * slope))
-    return (low, high, radius) if radius > _SMALLEST else None  # degenerate to a line, in broken files
+    return (low, high, radius) if radius > _SMALLEST else None
 
 
 def outwards(face: Any, surface: Any) -> tuple[gp_Pnt, gp_Vec]:

@@ -22,7 +22,7 @@ class Basis(Struct, frozen=True, eq=False, dict=True):
     degree: int
     knots: Array
     """Shape (n + degree + 1,), nondecreasing."""
-    period: float = 0.0
+    period: float
     """0 where the spline is not periodic."""
 
     @cached_property

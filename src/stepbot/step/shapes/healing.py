@@ -76,7 +76,7 @@ def healed(shape: Any, precision: float, colored: list[int]) -> Healed:
     fix.Perform()
     result = fix.Shape()
     after = mapped(result, TopAbs_ShapeEnum.TopAbs_FACE)
-    origins: dict[int, int] = {}  # by the number of the face, from 1; that of a face that is dropped is 0
+    origins: dict[int, int] = {}  # by number, from 1: 0 is what healing drops
     for place in colored:
         replacement = fix.Context().Apply(before.FindKey(place + 1))
         if replacement is None or replacement.IsNull():

@@ -107,17 +107,14 @@ class Collider:
 
     def __init__(self, memory_limit: int | None = None, start: Start | None = None) -> None:
         self._worker = Worker(f"{_ROOM}.search:overlaps", memory_limit=memory_limit, start=start)
-        self._results: TypedCache[_Overlaps] = TypedCache(None, _Overlaps)
-        self._key = ""
         self._known: _Overlaps | None = None
 
     def submit(self, robot: Robot, cache: Cache | None) -> None:
         """Send the robot, unless the cache has its result; returns at once."""
         subject = only_collisions(robot)
-        if cache is not None:
-            self._results = TypedCache(cache, _Overlaps)
-            self._key = _key("overlaps", subject)
-            self._known = self._results.get(self._key)
+        self._results: TypedCache[_Overlaps] = TypedCache(cache, _Overlaps)
+        self._key = _key("overlaps", subject)
+        self._known = self._results.get(self._key)
         if self._known is None:
             self._worker.submit(subject)
         else:
@@ -132,8 +129,7 @@ class Collider:
         """
         if self._known is None:
             self._known = self._worker.result(timeout)
-            if self._key:
-                self._results.put(self._key, self._known)
+            self._results.put(self._key, self._known)
         return self._known
 
     def close(self) -> None:
@@ -150,12 +146,11 @@ def find_self_collision(robot: Robot, samples: int, cache: Cache | None, workers
     """
     subject = only_collisions(robot)
     results: TypedCache[SelfCollision] = TypedCache(cache, SelfCollision)
-    key = _key("self-collision", subject, str(samples)) if cache is not None else ""
-    known = results.get(key) if key else None
+    key = _key("self-collision", subject, str(samples))
+    known = results.get(key)
     if known is None:
         known = workers.call(f"{_ROOM}.search:matrix", subject, samples)
-        if key:
-            results.put(key, known)
+        results.put(key, known)
     return known
 
 

@@ -10,6 +10,7 @@ import pytest
 from robot_library.moments import Array
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.quadrature.solids import Boundary
+from stepbot.step.quadrature.splines import is_rational
 from stepbot.step.shapes.exact import integrate, volume_properties
 from tests.unit.step.in_process import read_here, read_quietly
 from tests.unit.step.quadrature.test_solids import Outline, area_moments, assert_same, extruded, prism
@@ -91,6 +92,14 @@ def shifted(integrals: Array, height: float) -> Array:
             zz - 2 * height * z + height**2 * volume,
         ]
     )
+
+
+def test_weights_make_a_spline_rational() -> None:
+    """Homogeneous poles (w x, w y, w): a quarter of a circle, and a parabola, also where coordinates or all are one."""
+    parabola, half = np.array([[0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [2.0, 1.0, 1.0]]), np.sqrt(0.5)
+    circle = np.array([[1.0, 1.0, 1.0], [half, 1.0, half], [0.0, 1.0, 1.0]])
+    assert [is_rational(poles) for poles in (parabola, 0.5 * parabola, circle)] == [False, True, True]
+    assert not is_rational(np.array([[0.0, 2.0, 1.0], [1.0, 3.0, 1.0]]))
 
 
 def test_a_thread(tmp_path: Path) -> None:
