@@ -297,3 +297,30 @@ def test_engines_are_compared_with_the_module_alone(
     assert {one for _, one, _ in failed} == {against}
     assert {named for *_, named in failed} <= {quantity, "poses"}  # with another axis there are other poses
     assert "SB803" in {one.code for one in made.diagnostics}
+
+
+DRIVEN = """<mujoco><worldbody><body name="base"><geom type="box" size="0.1 0.1 0.1" mass="1"/>
+  <body name="tip" pos="0 0 0.3"><joint name="lift" axis="0 1 0" range="-1 1" limited="true"/>
+    <geom type="box" size="0.1 0.1 0.1" mass="1"/></body></body></worldbody>
+  <actuator><position name="m" joint="lift" kp="10"/></actuator></mujoco>"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kp", [10.0, 10.1])
+def test_drives_are_compared_with_the_module_alone(kp: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo reports the gains of a module's actuators as they are alone; other gains are an error."""
+    (tmp_path / "arm.xml").write_text(DRIVEN)
+    (tmp_path / "r.robot.yaml").write_text(composing("left: {file: arm.xml}", "right: {file: arm.xml, at: left/tip}"))
+
+    def tampered(*arguments: Any) -> ComposedRobot:
+        made = compose(*arguments)
+        left, right = made.modules
+        (drive,) = left.robot.actuators
+        alone = replace(left.robot, actuators=(replace(drive, kp=kp),))
+        return replace(made, modules=(left._replace(robot=alone), right))
+
+    monkeypatch.setattr("stepbot.pipeline.composing.compose", tampered)
+    made = produce(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("mjcf",)))
+    assert made.report is not None
+    failed = [(one.against, one.quantity) for one in made.report.checks if one.status.value == "failed"]
+    assert failed == ([("module 'left' alone", "actuators")] if kp != 10.0 else [])

@@ -275,7 +275,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         for outcome in tried(wanted, copies, reach, given.minutes):
             outcomes.append(outcome)
             word = "noticed" if outcome.noticed else "UNNOTICED"
-            _say(f"{word} {outcome.change.name} ({outcome.by or 'no test'}, {outcome.seconds:.0f} s)")
+            by = outcome.by or ("no test" if outcome.seconds < _TIME else "stopped")
+            _say(f"{word} {outcome.change.name} ({by}, {outcome.seconds:.0f} s)")
     if not outcomes:
         _say("no change was tried")
         return 2

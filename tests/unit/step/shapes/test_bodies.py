@@ -304,13 +304,18 @@ def test_a_mirrored_bore_is_a_bore(tmp_path: Path) -> None:
 
     plate = solids.box(40, 40, 12) - solids.cone(6, 3, 12).at(8, 3, -6)
     body = only(read_quietly(write(tmp_path / "part.step", plate.shape)))
-    mirrored = variant(body, is_mirrored=True, scale=2.0)
+    body = replace(body, area=0.25)  # of a file that states areas
+    mirrored = variant(body, is_mirrored=True, scale=3.0)
     (before,), (after,) = body.axis_faces, mirrored.axis_faces
-    assert (after.bore, after.cone, after.radius) == (before.bore, before.cone, 2 * before.radius)
+    assert (after.bore, after.cone, after.radius) == (before.bore, before.cone, 3 * before.radius)
     for end, image in zip((before.low, before.high), (after.low, after.high), strict=True):
         at = np.array(before.point) + end * np.array(before.direction)
         shown = np.array(after.point) + image * np.array(after.direction)
-        assert shown == pytest.approx(2 * at * (1, 1, -1), abs=1e-12)
+        assert shown == pytest.approx(3 * at * (1, 1, -1), abs=1e-12)
+    assert mirrored.area == pytest.approx(9 * 0.25, rel=1e-12)
+    assert mirrored.exact is not None
+    assert body.exact is not None
+    assert mirrored.exact.volume == pytest.approx(27 * body.exact.volume, rel=1e-12)
     assert variant(body, is_mirrored=False, scale=1.0) is body
 
 
