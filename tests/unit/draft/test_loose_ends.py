@@ -117,8 +117,10 @@ def test_a_mechanism_beside_a_large_body_without_joints_gets_a_placeholder() -> 
     """What turns stands apart from a chassis that has no joint: one hinge, and a fixed joint between both."""
     hinge = part("bracket", box(40, 40, 10) - cylinder(4, 10).at(0, 0, -5), z=200)
     arm = part("arm", box(80, 20, 6).at(30, 0, 8) + cylinder(3.9, 20).at(0, 0, -10), z=200)
-    found = inferred(part("chassis", CHASSIS), hinge, arm)
-    assert sorted(str(arc.evidence.type) for arc in found.arcs) == ["fixed", "revolute"]
+    for beside in ([], [part("slab", box(200, 150, 40), z=150)]):  # which is of the mechanism that it is nearest to
+        found = inferred(part("chassis", CHASSIS), hinge, arm, *beside)
+        assert sorted(str(arc.evidence.type) for arc in found.arcs) == ["fixed", "revolute"]
+        assert {"arm", *(one.name for one in beside)} in links(found)
 
 
 def pendulum(name: str, x: float, length: float) -> list[Node]:

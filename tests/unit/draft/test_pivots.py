@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.assembled import BARE, Node, cut, group, inferred, joints, links, part
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.evidence.pivots import held_by_faces
+from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder
 
 SEAL = cylinder(20, 3)
@@ -126,3 +128,12 @@ def test_a_stand_on_a_spigot_turns() -> None:
     assert joints(found) == [("revolute", "column", "lower"), ("revolute", "lower", "upper")]
     half = cut(bored, box(100, 60, 6).at(210, 0, -17))
     assert joints(inferred(part("lower", half, z=-20), stand, *rest, sources=BARE)) == [("revolute", "lower", "upper")]
+
+
+def test_a_seal_between_two_faces_only_holds_them() -> None:
+    """Two bars with a disc between them, on no pin, have a line that they are held on, not one that they turn on."""
+    bars = part("one", box(60, 20, 5), z=-2.5), part("two", box(60, 20, 5), z=3.5)
+    survey = Survey(assembled(*bars, part("disc", cylinder(8, 1))), ALL_SOURCES)
+    (pivot,) = held_by_faces(survey)
+    assert (pivot.hosts, pivot.turns) == ((1, 2), False)
+    assert abs(pivot.axis.d[2]) == pytest.approx(1.0)

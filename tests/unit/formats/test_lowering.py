@@ -37,6 +37,7 @@ from stepbot.robot.model import (
     MeshRef,
     Robot,
 )
+from stepbot.robot.sensors import Sensor, SensorKind
 from stepbot.robot.validity import check_robot
 from tests.closed_mechanisms import sliding_closure
 from tests.conftest import ReadDiagnostics
@@ -370,9 +371,12 @@ def test_a_sliding_closure_is_cut_at_a_pin(diagnostics: ReadDiagnostics) -> None
 
 @pytest.mark.parametrize("actuated", [(), ("big_end",), ("shaft",), ("wrist", "big_end")])
 def test_a_loop_cut_elsewhere_moves_equally(actuated: tuple[str, ...]) -> None:
-    """For any joint that closes the loop, every point of every link moves equally, and masses are unchanged."""
+    """For any joint that closes the loop, every point and sensor of every link moves equally, masses are unchanged."""
     robot = sliding_closure()
-    robot = replace(robot, actuators=tuple(Actuator(name, name, ActuatorKind.MOTOR) for name in actuated))
+    X_LS = Pose.from_xyz_rpy((0.01, -0.02, 0.03), (0.1, -0.2, 0.3))
+    imus = tuple(Sensor(f"{link.name}_imu", SensorKind.IMU, link.name, X_LS) for link in robot.links)
+    actuators = tuple(Actuator(name, name, ActuatorKind.MOTOR) for name in actuated)
+    robot = replace(robot, actuators=actuators, sensors=imus)
     stated = reroot_loops(robot)
     assert stated.closures != robot.closures
     check_robot(stated, sound := Diagnostics())
@@ -389,6 +393,9 @@ def test_a_loop_cut_elsewhere_moves_equally(actuated: tuple[str, ...]) -> None:
             for link in robot.links:
                 com, moved = link.mass_properties.com, stated.link_by_name[link.name].mass_properties.com
                 np.testing.assert_allclose(before[link.name].apply(com), after[link.name].apply(moved), atol=1e-9)
+            for one, other in zip(robot.sensors, stated.sensors, strict=True):
+                X_WS, moved_to = before[one.link] @ one.X_LS, after[other.link] @ other.X_LS
+                np.testing.assert_allclose(X_WS.matrix, moved_to.matrix, atol=1e-9)
 
 
 @pytest.mark.parametrize(
