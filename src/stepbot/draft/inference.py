@@ -12,7 +12,7 @@ from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.bearings import bearing_evidence, ring_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
 from stepbot.draft.evidence.fingers import finger_evidence
-from stepbot.draft.evidence.gears import gear_evidence, mark_geared
+from stepbot.draft.evidence.gears import belt_evidence, gear_evidence, mark_geared
 from stepbot.draft.evidence.guides import captured_evidence, cross_evidence, guide_evidence, screw_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
@@ -30,7 +30,6 @@ from stepbot.draft.mechanism.joints import Mechanism
 from stepbot.draft.mechanism.locked import (
     JointKey,
     choose_slides,
-    idle_motors,
     missing_joints,
     note_doubts,
     one_per_pair,
@@ -80,7 +79,7 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> InferredMechanism:
         KeyError: A fact is about a path that is not that of a part.
     """
     inferred = _infer(survey, facts, {})
-    needed = {**inferred.pivots, **idle_motors(inferred.motors, inferred.arcs, inferred.offered, inferred.welds)}
+    needed = dict(inferred.pivots)
     # Joints that equal parts elsewhere show.
     joints = [arc.evidence for arc in inferred.arcs if arc.evidence.score >= CHOSEN]
     repeats = repeated_joints(inferred.survey, joints, inferred.links)
@@ -125,6 +124,7 @@ def _infer(
     screw_evidence(survey, evidence)
     finger_evidence(survey, evidence)
     gear_evidence(survey, evidence)
+    belt_evidence(survey, evidence)
     roller_evidence(survey, evidence)
     rail_evidence(survey, evidence)
     several_axes(structure, evidence)

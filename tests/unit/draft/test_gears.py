@@ -305,17 +305,30 @@ def test_a_rack_with_clearance_on_all_sides_slides_on_what_its_pinion_turns_in(c
     assert all(abs(joint.direction[0]) == pytest.approx(1.0) for joint in draft.joints if joint.type == "prismatic")
 
 
+def slot(radius: float) -> Solid:
+    """A plate with two round ends, 6 mm thick."""
+    return box(80, 2 * radius, 6).at(0, 0, 3) + cylinder(radius, 6).at(-40, 0, 0) + cylinder(radius, 6).at(40, 0, 0)
+
+
 def test_a_band_around_two_discs_is_a_belt() -> None:
     """A thin band of one width around two discs is a belt without a name, and no link; a plate around them is none."""
-
-    def slot(radius: float, height: float) -> Solid:
-        middle = box(80, 2 * radius, height).at(0, 0, height / 2)
-        return middle + cylinder(radius, height).at(-40, 0, 0) + cylinder(radius, height).at(40, 0, 0)
-
     discs = [part(f"disc {x}", cylinder(12, 10), x, z=-2) for x in (-40, 40)]
     for outer, is_belt in ((13.4, True), (20.0, False)):
-        survey = Survey(assembled(part("ring", slot(outer, 6) - slot(12, 6)), *discs), BARE)
+        survey = Survey(assembled(part("ring", slot(outer) - slot(12)), *discs), BARE)
         assert (1 in survey.small) == is_belt
+
+
+@pytest.mark.parametrize("has_belt", [False, True])
+def test_a_belt_turns_what_it_runs_around(*, has_belt: bool) -> None:
+    """Idlers that screws clamp to a plate turn in a belt, without names."""
+    idler = cylinder(11.6, 10) - cylinder(2.5, 30).at(0, 0, -10)
+    plate = box(160, 60, 10) - cylinder(2.5, 20).at(-40, 0, -10) - cylinder(2.5, 20).at(40, 0, -10)
+    screw = cylinder(2.5, 20) + cylinder(4.5, 5).at(0, 0, 20)
+    nodes = [part("plate", plate, z=-5)]
+    for x in (-40, 40):
+        nodes += [part("idler", idler, x), part("m5 screw", screw, x, z=-10)]
+    nodes += [part("band", slot(13.4) - slot(12), z=2)] if has_belt else []
+    assert [{*joint} for joint in joints(inferred(*nodes))] == [{"revolute", "plate", "idler"}] * 2 * has_belt
 
 
 def test_a_round_gear_that_drives_another_is_a_link() -> None:

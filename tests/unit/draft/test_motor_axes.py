@@ -97,15 +97,6 @@ def test_a_case_between_horn_and_idler_turns() -> None:
     assert {"horn", "idler", "left", "right", "yoke"} in links(found)
 
 
-def test_a_clip_around_the_case_of_a_motor_holds_it() -> None:
-    """A motor snapped into a ring of another subassembly, with its shaft in a solid wheel, does not turn in it."""
-    motor = cylinder(14, 19) + cylinder(2.5, 10).at(0, 8, 19)
-    clip = box(40, 40, 5).at(0, 0, 5) - cylinder(14, 5).at(0, 0, 2.5)
-    base = part("base", clip + box(40, 6, 100).at(0, -23, 40))
-    drive = group("drive", part("motor 28BYJ-48", motor), part("wheel", cylinder(32, 5), 0, 8, 23))
-    assert {"base", "drive/motor 28BYJ-48"} <= links(inferred(base, drive))[0]
-
-
 def test_horns_in_the_holes_of_a_board_are_of_the_board() -> None:
     """Two legs hang on their servos, whose horns are in wider holes of one board: a joint each, on the servo's case."""
     servo = box(23, 12, 22).at(-5.5, 0, -11) + cylinder(2.3, 3)
@@ -134,19 +125,6 @@ def test_what_holds_the_flange_of_a_motor_does_not_turn() -> None:
     plate = box(100, 60, 2).at(20, 0, 1) - cylinder(11, 2)
     found = inferred(part("base", box(200, 60, 5), z=-60), part("motor NEMA17", motor), part("plate", plate))
     assert joints(found) == []
-
-
-def test_the_boss_of_a_servo_in_a_bore_holds_it() -> None:
-    """Servos of one solid whose bosses are in bores with play, thinner shafts beyond, are of what has the bores."""
-    servo = box(23, 12, 22).at(-5.5, 0, -11) + box(32, 12, 2.5).at(-5.5, 0, -6) + cylinder(5.5, 4) + cylinder(2.4, 7)
-    body, leg = box(120, 80, 4).at(0, 0, 3), box(30, 24, 40).at(0, 0, 32) - cylinder(3.6, 10).at(0, 0, 12)
-    for y in (-20, 20):
-        body = body - cylinder(5.8, 6).at(0, y, 0)
-    horn = cylinder(3.55, 3.9).at(0, 0, 12) - cylinder(2.4, 3).at(0, 0, 12)
-    nodes = [part(f"{name} {y}", one, y=y) for y in (-20, 20) for name, one in (("SG90", servo), ("leg", leg))]
-    nodes += [part(f"horn {y}", horn, y=y) for y in (-20, 20)]
-    found = inferred(part("body", body), *nodes)
-    assert {"body", "SG90 -20", "SG90 20"} in links(found)
 
 
 def test_a_plate_under_the_teeth_of_a_pinion_is_not_on_it() -> None:

@@ -93,12 +93,6 @@ def small_parts(lines: int) -> set[str]:
     return {survey.parts[i].path for i in survey.small}
 
 
-def test_a_block_around_two_rods_is_no_nut() -> None:
-    """What is named a nut and has shafts in it on two lines is a block; one with a single shaft may be a nut."""
-    assert small_parts(1) == {"nut_block"}
-    assert small_parts(2) == set()
-
-
 def test_a_pulley_by_the_name_of_its_belt_is_neither_a_belt_nor_a_screw() -> None:
     """A pulley with flanges, turned to any place, is a link of its own on a shaft; a flat loop is a belt."""
     drum = joined(cylinder(6.1, 8), cylinder(8, 7).at(0, 0, -7), cylinder(8, 1.2).at(0, 0, 8)) - cylinder(2.5, 17).at(

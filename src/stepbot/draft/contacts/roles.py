@@ -5,7 +5,7 @@ their boundary dimensions: a ring of exactly these is hardly ever anything else.
 """
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -14,10 +14,11 @@ from msgspec.structs import replace
 from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, LineFace
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.teeth import teeth_of
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role, is_spoken, roles
 from stepbot.draft.parts.parts import Part
 from stepbot.draft.parts.scene import Scene
-from stepbot.geometry.spatial import cross, turn_inertia
+from stepbot.geometry.spatial import cross, perpendicular_frame, turn_inertia
 from stepbot.step.assembly import Component
 from stepbot.step.faces import Face, FaceKind
 
@@ -156,43 +157,64 @@ _BAND, _LOOP, _SAME_BAND, _AROUND = 0.35, 5e-4, 1e-5, 6.0
 """Thickness of a belt in radii of what it runs around, at most; distances [m] up to which it lies on it, and is equally
 thick and wide everywhere; angle [rad] from which a face is around it.
 """
+_TEETH = 0.15
+"""Share of the radius up to which teeth reach into a belt or a track, or end before it."""
 
 
-def find_bands(parts: Mapping[int, Part], lines: Sequence[CoaxialLine]) -> set[int]:
-    """Bodies that wrap around two or more turned ones on parallel lines, equally thick and wide: belts by shape."""
-    around: dict[int, list[tuple[CoaxialLine, tuple[float, float]]]] = defaultdict(list)
+def find_loops(
+    scene: Scene, parts: Mapping[int, Part], lines: Sequence[CoaxialLine], named: Collection[int]
+) -> dict[int, dict[int, Axis]]:
+    """What belts run around, by belt: those named so, and bands around two or more turned bodies on parallel lines."""
+    loops: dict[int, dict[int, Axis]] = {i: {} for i in named}
+    bands: dict[int, list[tuple[Axis, float, float]]] = defaultdict(list)
     full: set[int] = set()
     for line in lines:
         for i, faces in line.faces.items():
+            arcs = [face for face in faces if not face.cone]
             if any(face.span > _AROUND for face in faces):
                 full.add(i)
                 continue
-            inside, outside = ([f for f in faces if f.bore == bore and not f.cone] for bore in (True, False))
-            if len(inside) != 1 or len(outside) != 1:
-                continue
-            (bore,), (back,) = inside, outside
-            thickness, width = back.radius - bore.radius, bore.high - bore.low
-            if not 0.0 < thickness < _BAND * bore.radius or abs(back.high - back.low - width) > _SAME_BAND:
-                continue
-            runs = any(
-                other != i
-                and not face.bore
-                and abs(face.radius - bore.radius) < _LOOP
-                and min(face.high, bore.high) > max(face.low, bore.low)
-                and parts[other].is_balanced(line.axis)
-                for other in line.faces
-                for face in line.faces[other]
-            )
-            if runs:
-                around[i].append((line, (thickness, width)))
-    return {
-        i
-        for i, loops in around.items()
-        if len(loops) > 1
-        and i not in full
-        and all(loop[0].axis.is_along(loops[0][0].axis.d) for loop in loops)
-        and all(abs(a - b) < _SAME_BAND for loop in loops for a, b in zip(loop[1], loops[0][1], strict=True))
-    }
+            band = _band(arcs)
+            arcs = arcs if i in named else [arc for arc in arcs if arc.bore and band]
+            around = {
+                other for other in line.faces for arc in arcs if other != i and _fills(scene, parts, line, other, arc)
+            }
+            if around:
+                loops.setdefault(i, {}).update(dict.fromkeys(sorted(around), line.axis))
+            if around and band:
+                bands[i].append((line.axis, *band))
+    for i, wound in bands.items():
+        axis, thick, wide = wound[0]
+        is_even = all(
+            axis.is_along(other.d) and max(abs(thickness - thick), abs(width - wide)) < _SAME_BAND
+            for other, thickness, width in wound[1:]
+        )
+        if i not in named and (i in full or len(wound) < 2 or not is_even or parts[i].role is not None):
+            del loops[i]
+    return dict(sorted(loops.items()))
+
+
+def _band(arcs: Sequence[LineFace]) -> tuple[float, float] | None:
+    """Thickness and width [m] of a thin band around a line; None for others."""
+    inside, outside = ([arc for arc in arcs if arc.bore == bore] for bore in (True, False))
+    if len(inside) != 1 or len(outside) != 1:
+        return None
+    (bore,), (back,) = inside, outside
+    thickness, width = back.radius - bore.radius, bore.high - bore.low
+    is_band = 0.0 < thickness < _BAND * bore.radius and abs(back.high - back.low - width) <= _SAME_BAND
+    return (thickness, width) if is_band else None
+
+
+def _fills(scene: Scene, parts: Mapping[int, Part], line: CoaxialLine, other: int, arc: LineFace) -> bool:
+    """Whether a turned body fills an arc on its line: with a round face, or with its teeth."""
+    if not parts[other].is_balanced(line.axis):
+        return False
+    beside = [f for f in line.faces[other] if min(f.high, arc.high) > max(f.low, arc.low)]
+    if any(not f.bore and abs(f.radius - arc.radius) < _LOOP for f in beside):
+        return True
+    across = perpendicular_frame(line.axis.d)[:, 0]
+    reach = 0.5 * float(np.ptp(scene.span(other, across)))
+    return bool(beside) and abs(reach - arc.radius) < _TEETH * arc.radius
 
 
 _SIZES = {

@@ -13,7 +13,7 @@ from stepbot.draft.contacts.contacts import Contacts, Pair
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET, NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
-from stepbot.draft.contacts.roles import find_bands, read_parts, spoken_names
+from stepbot.draft.contacts.roles import find_loops, read_parts, spoken_names
 from stepbot.draft.contacts.settling import is_tilted, settled
 from stepbot.draft.contacts.shafts import find_fits, find_sockets
 from stepbot.draft.contacts.teeth import (
@@ -27,7 +27,7 @@ from stepbot.draft.contacts.teeth import (
     find_rack_meshes,
     teeth_of,
 )
-from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.equal import EqualParts
 from stepbot.draft.parts.names import Role, is_belt, is_drive, roles
@@ -83,9 +83,9 @@ class Survey:
         self.cut: dict[str, None] = {}
         """Searches that a bound cut short, in words, in the order in which they were."""
         self.equal = EqualParts(self.scene, self.cut)
-        self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name) and not self._is_turned(i)}
-        self._belts |= {i for i in find_bands(self.parts, self.contacts.lines) if self.parts[i].role is None}
-        self.small = self._belts | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
+        named = {i for i, p in self.parts.items() if sources.names and is_belt(p.name) and not self._is_turned(i)}
+        self._belts = find_loops(self.scene, self.parts, self.contacts.lines, named)
+        self.small = {*self._belts} | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
         """Parts that move with their host and form no joint: fasteners, seals, and belts, which are no rigid bodies."""
 
     @staticmethod
@@ -131,8 +131,6 @@ class Survey:
             return False
         if not is_turned and sum(r.holes >= _BLOCK for r in self.near.get(part, ())) > 1:
             return False  # a block that is screwed to two parts
-        if not is_turned and self._has_bores_apart(part):
-            return False  # a block that holds or guides others, such as one with a nut in it
         if one.size < _SMALL_SHARE * self.extent:
             return True
         return one.volume < _LARGE * self.volume and is_turned
@@ -154,13 +152,6 @@ class Survey:
                 if any(is_drive(one.name) if f.bore else Role.MOTOR in one.roles for one, f in others):
                     spindles.add(part)
         return spindles
-
-    def _has_bores_apart(self, part: int) -> bool:
-        """Whether shafts of other parts are in its bores on two lines: a nut has one."""
-        axes: list[Axis] = []
-        for r in self.near.get(part, ()):
-            axes += (fit.axis for fit in r.shafts if fit.shaft != part and fit.full)
-        return any(not axis.same(axes[0], SAME_LINE) for axis in axes[1:])
 
     def relation(self, a: int, b: int) -> Relation | None:
         """The relation of two parts; None if they do not touch."""
@@ -255,6 +246,11 @@ class Survey:
         """Larger parts with teeth, or named gears or pulleys."""
         larger = {i: part for i, part in self.parts.items() if i not in self.small}
         return list(find_gears(larger, self.rims, self.contacts.lines))
+
+    @cached_property
+    def belted(self) -> dict[int, Axis]:
+        """Larger parts that belts run around, with their axes."""
+        return {i: axis for inner in self._belts.values() for i, axis in inner.items() if i not in self.small}
 
     @cached_property
     def meshes(self) -> list[Mesh]:
@@ -354,7 +350,7 @@ class Survey:
     @cached_property
     def _screws(self) -> tuple[list[Axis], Array, Boxes]:
         """Lines of fasteners, and the fasteners' bounding boxes (n, 2, 3), also sorted."""
-        screws = self.small - self._belts
+        screws = self.small - self._belts.keys()
         rows = [(line.axis, part) for line in self.contacts.lines for part in line.faces if part in screws]
         boxes = np.array([self.parts[part].box for _, part in rows]).reshape(-1, 2, 3)
         return [axis for axis, _ in rows], boxes, Boxes(boxes)

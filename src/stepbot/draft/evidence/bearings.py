@@ -5,6 +5,7 @@ import re
 import numpy as np
 from msgspec import Struct
 
+from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
@@ -17,8 +18,8 @@ from stepbot.robot.model import JointKind
 
 _LINEAR = re.compile(r"(?:^|[\W_])(?:lm[a-z]{0,2}|scs)[ _\-]?\d+|linear|直线", re.IGNORECASE)
 """Names of bearings that a shaft slides in."""
-_RINGS = 0.93
-"""Score of two rings that are each bolted to another part: above that of a bearing in its seat."""
+_RINGS, _IN_ONE = 0.93, 0.98
+"""Scores of rings each bolted to another part: above those of a bearing in its seat, and of bodies of one part."""
 _SEATED = 0.87
 """Score of a joint at a bearing."""
 _DISC, _REVIEW = 0.79, "no bolts of the disc are drawn in line with holes of what it carries"
@@ -60,7 +61,8 @@ def ring_evidence(survey: Survey, evidence: Evidence) -> None:
             continue
         if _are_bolted(survey, a, _Seat(b, r, r.length)):
             why = "rings in each other, each bolted to another part"
-            evidence.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
+            score = _IN_ONE if survey.are_bodies_of_one_part(a, b) else _RINGS
+            evidence.joint(JointEvidence(score, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
         elif are_rings and ((path := _bearing_of(survey, r)) or _are_seated(survey, r)):
             is_named = bool(path) or any(Role.BEARING in survey.parts[i].roles for i in (a, b))
             why = f"rings of the bearing '{path}'" if path else "rings of one width, each in a seat of its own"
@@ -136,9 +138,14 @@ def _are_bolted(survey: Survey, part: int, seat: _Seat) -> bool:
 
 
 def _bolted_to(survey: Survey, i: int, axis: Axis | None) -> set[int]:
-    """The parts with a circle of bolts about an axis in common with a part."""
-    rings = [(other, r.turns) for other, r in survey.around(i) if r.via == Via.RING and r.ring >= _BOLTS]
-    return {other for other, about in rings if axis and about and about.same(axis, _SAME_AXIS)}
+    """The parts with bolts on a circle about an axis in common with a part, though some may be left out."""
+    bolted = set[int]()
+    for other, r in survey.around(i):
+        holes = [fit.axis for fit in r.fits if axis and fit.kind == FitKind.HOLES and axis.is_along(fit.axis.d)]
+        away = [far for hole in holes if axis and (far := axis.distance(hole.point)) > _SAME_AXIS]
+        if any(sum(abs(far - one) < _SAME_AXIS for one in away) >= _BOLTS for far in away):
+            bolted.add(other)
+    return bolted
 
 
 def _say(survey: Survey, bearing: int, evidence: Evidence) -> None:

@@ -16,8 +16,9 @@ _OF_RACK = "a rack that meshes with a gear: it slides along its teeth"
 _TURNS_ON = "a gear that meshes with what turns in the other part"
 _ON_SCREW = "a gear that meshes, and that one screw or pin alone holds"
 _REVIEW_ON = "what holds the one gear would lock the other one"
-_SCORE, _APART, _KEYED = 0.7, 0.8, 0.9
-"""Scores of a joint of a gear, of two gears that mesh being no link, and of a gear on a shaft that turns."""
+_BY_BELT = "a belt runs around it; nothing else shows that it turns"
+_SCORE, _APART, _KEYED, _BELTED = 0.7, 0.8, 0.9, 0.785
+"""Scores of a joint of a gear, of two gears that mesh being no link, of a gear on a shaft that turns, and by a belt."""
 _BEYOND = 6e-3
 """Gap [m] along its axis from a gear to a round face, up to which an undrawn shaft may be in both."""
 _ALONG = 1e-2
@@ -64,6 +65,24 @@ def gear_evidence(survey: Survey, evidence: Evidence) -> None:
             evidence.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
 
 
+def belt_evidence(survey: Survey, evidence: Evidence) -> None:
+    """A belt turns what it runs around, on what holds that, unless something turns about its axis already."""
+    turning = [h for h in evidence.joints if h.type == JointKind.REVOLUTE and h.score >= CHOSEN]
+    for part, axis in survey.belted.items():
+        held = [k for k in _on_axis(survey, part, axis, through_screws=True) if k not in survey.belted]
+        group = {part, *held, *(k for i in held for k in _on_axis(survey, i, axis))}
+        if Role.BEARING in survey.parts[part].roles or survey.holders(part):
+            continue
+        if held and not any(h.axis.same(axis, SAME_GEAR) and group & {h.a, h.b} for h in turning):
+            a, b = sorted(
+                (part, min(held, key=lambda k: (survey.relation(part, k) is None, -survey.parts[k].volume, k)))
+            )
+            why = f"a belt runs around '{survey.parts[part].path}'"
+            evidence.joint(
+                JointEvidence(_BELTED, a, b, JointKind.REVOLUTE, axis, why, survey.relation(a, b), review=_BY_BELT)
+            )
+
+
 def _guide(survey: Survey, mesh: RackMesh) -> int | None:
     """The part that a rack lies on, and that nothing but faces along its teeth holds; the one with most area.
 
@@ -87,9 +106,13 @@ def _hosts(survey: Survey, gear: Gear) -> set[int]:
     return hosts or shafts - {gear.part}
 
 
-def _on_axis(survey: Survey, part: int, axis: Axis) -> list[int]:
-    """The larger parts that touch a part about a line."""
-    return [other for other, r in survey.around(part) if r.turns is not None and r.turns.same(axis, SAME_GEAR)]
+def _on_axis(survey: Survey, part: int, axis: Axis, *, through_screws: bool = False) -> list[int]:
+    """The larger parts that touch a part about a line, or a screw in it."""
+    about = [r.other(part) for r in survey.near.get(part, ()) if r.turns is not None and r.turns.same(axis, SAME_GEAR)]
+    held = [i for i in about if i not in survey.small]
+    for screw in (i for i in about if i in survey.small and through_screws):
+        held += [k for k in _on_axis(survey, screw, axis) if k != part]
+    return list(dict.fromkeys(held))
 
 
 def _free_from_hosts(survey: Survey, mesh: Mesh, evidence: Evidence) -> None:

@@ -54,10 +54,8 @@ _TRIFLE, _TAG = 1e-4, 2e-3
 """Shares of the assembly's volume below which a body is no link: in a linkage, and held on one line alone."""
 _STACK = 2
 """Number of bodies held on one line alone from which on they are a stack of pulleys or disks on a shaft."""
-_LEVER = 1e-4
-"""Distance [m] from a line beside which a face is a stop."""
-_GUIDED = 3.0
-"""Guided length of a shaft in radii, from which it may slide in a loop that could not move otherwise."""
+_LEVER, _GUIDED = 1e-4, 3.0
+"""Distance [m] beside a line at which a face is a stop; guided length of a shaft in radii, from which it may slide."""
 _TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
 
 
@@ -108,7 +106,7 @@ class _Linkages:
         for group in self._connected(hinges):
             tree = [h for h in group if not h.is_extra]
             moving = self._mobility_of(tree)
-            pistons = [replace(h, slides=True) if self._is_piston(h) else h for h in tree]
+            pistons = [replace(h, slides=True) if self._is_piston(h, tree) else h for h in tree]
             if len(moving.turning) < len(tree) and any(h.slides for h in pistons):
                 freed = self._mobility_of(pistons)
                 if len(freed.turning) > len(moving.turning):
@@ -191,19 +189,13 @@ class _Linkages:
             return Mobility(set(range(len(hinges))), set(), [])
         return result
 
-    def _is_piston(self, h: Hinge) -> bool:
-        """Whether one side is a long shaft in the other, free along it: what locks a loop if it only turns."""
+    def _is_piston(self, h: Hinge, tree: Sequence[Hinge]) -> bool:
+        """Whether one side is a shaft that is long in the other, or a rod in a barrel, with a pin across each."""
         r = self._survey.relation(h.a, h.b)
         if r is None or r.via != Via.PIN or r.freedom.kind != FreedomKind.CYLINDRICAL:
             return False
-        return max(r.guided, self._guided_in_series(r)) > _GUIDED * r.radius
-
-    def _guided_in_series(self, r: Relation) -> float:
-        """The length [m] from the first to the last fit of a shaft on its line, as in a barrel and its gland."""
-        fit = max(r.shafts, key=lambda fit: fit.length)
-        fits = [f for _, s in self._survey.around(fit.shaft) for f in s.shafts if f.shaft == fit.shaft]
-        places = [float(f.axis.point @ fit.axis.d) for f in fits if f.axis.same(fit.axis)]
-        return max(places, default=0.0) - min(places, default=0.0)
+        pinned = {body for k in tree if not k.slides and _intersect(h.axis, k.axis) for body in self._ends(k)}
+        return r.guided > _GUIDED * r.radius or pinned.issuperset(self._ends(h))
 
     def _keep_axles(self, axes: Sequence[Axis]) -> None:
         """Weld each pin of a joint to the part that it fits most tightly: it is no link that turns in both."""
@@ -385,6 +377,12 @@ class _Linkages:
         for h in hinges:
             groups[tied.find(self._bodies.find(h.a))].append(h)
         return list(groups.values())
+
+
+def _intersect(one: Axis, two: Axis) -> bool:
+    """Whether two lines intersect at a right angle."""
+    across = cross(one.d, two.d)
+    return abs(float(one.d @ two.d)) < _LEVER and abs(float((two.point - one.point) @ across)) < _LEVER
 
 
 def _can_turn(relations: Sequence[Relation], pair: tuple[int, int], axis: Axis) -> bool:

@@ -15,7 +15,7 @@ from stepbot.draft.contacts.relations import Relation, Via, is_even, merged, rea
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, is_beside, is_through_mount, through
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, idlers, is_beside, is_through_mount, through
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -311,8 +311,7 @@ class _OneMotor:
         if len(groups) < 2:
             outputs = self._outputs or list(self._idlers)
             score, review = alone(self._survey, self._motor, outputs, [side.whole for side in driven])
-            held = () if score else clips(self._survey, self._motor)
-            return (driven if score else []), [side for side in driven if side.part in held], score, review
+            return (driven if score else []), [], score, review
         widths = [max(map(self._width, group)) for group in groups]
         order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
         clear = _BOLTED if all(side.whole.ring for side in driven) else 0.83

@@ -51,8 +51,6 @@ _JOURNAL = 0.1
 """Radius of a journal, as a share of the size of a part, from which it is a bearing block and no motor with a screw."""
 _AS_WIDE = 0.95
 """Ratio of radii from which two axes of a part are used alike."""
-_INNER = 0.8
-"""Ratio of the radii of two circles of bolts, up to which the inner one is that of an output."""
 _PIN, _RIM, _BAR = 4.0, 0.45, 4.0
 """Width in radii of its fit, up to which what turns in a part is a pin; share of a part's width, from which the radius
 of what is around it is that of a tyre or a clamp; length in widths from which a part with a bore in its end is a bar.
@@ -344,7 +342,7 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
             return False  # what is in it is heavier: a clamp around a motor
         on = [r for other, r in about if not _is_worn(survey, i, other, r)]
         off = any((r.turns is None or _holds_corners(r)) and (r.is_rigid or r.patches) for _, r in others)
-        held += bool(on) and (off or _are_in_two_circles(on))
+        held += bool(on) and off
         for r in on:
             assert r.axis is not None
             local, radius = survey.equal.axes(i, r.axis), max(r.radius, r.ring_radius)
@@ -378,12 +376,6 @@ def _are_of_limbs(survey: Survey, members: Sequence[int]) -> bool:
         if one != two:
             return False
     return True
-
-
-def _are_in_two_circles(on: Sequence[Relation]) -> bool:
-    """Whether two parts are bolted on, about one axis: one on the output, the other on the case around it."""
-    rings = [(r.axis, r.ring_radius) for r in on if r.via == Via.RING and r.axis is not None]
-    return any(x.same(y, _SAME_AXIS) and p < _INNER * q for x, p in rings for y, q in rings)
 
 
 def _holds_corners(r: Relation) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from stepbot.draft.contacts.contacts import Fit, FitKind
+from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.shafts import HALF_ROUND
@@ -26,10 +26,6 @@ _REVIEW_BESIDE = "drawn beside the end of the motor's output; no face shows what
 _REVIEW_NEARLY = "drawn beside the output of the motor, or up to 0.6 mm and 1.2 degrees off"
 _ALONE, _ON_SHAFT, _THIN = 0.85, 0.7, 0.09
 """Scores of what is alone on a motor's drawn output or its shaft; radius of a shaft as a share of the size, at most."""
-_WIDE = 0.15
-"""Radius of a motor's case as a share of its size, at least."""
-_NARROW = 0.8
-"""Ratio of radii up to which the end of a case's round face is its shaft."""
 _REVIEW_THROUGH = "a rod through the motor from end to end: the screw of a linear motor slides in it"
 _REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
 
@@ -90,31 +86,6 @@ def _is_around_origin(outline: Array) -> bool:
     x, y = (outline - np.roll(outline, 1, axis=0)).T
     turns = x * outline[:, 1] - y * outline[:, 0]
     return bool((turns >= 0.0).all() or (turns <= 0.0).all())
-
-
-def clips(survey: Survey, motor: Motor) -> list[int]:
-    """The parts with bores around the case of a named motor that hold it, and do not turn.
-
-    Such a face of the case is wider than a shaft, or a narrower one beyond it on its line is the shaft.
-    """
-    wide = _WIDE * survey.parts[motor.case].size
-    around = survey.around(motor.case) if motor.is_named else ()
-    return [
-        other
-        for other, r in around
-        if other not in motor.parts
-        and any(f.shaft == motor.case and (f.radius > wide or _is_boss(survey, f)) for f in r.shafts)
-    ]
-
-
-def _is_boss(survey: Survey, fit: Fit) -> bool:
-    """Whether the shaft of a fit has a narrower end on the same line that is in no bore of what is around it."""
-    for line in survey.contacts.lines:
-        if fit.shaft in line.faces and line.axis.same(fit.axis):
-            own = [f for f in line.faces[fit.shaft] if not f.bore and not f.cone and f.span > HALF_ROUND]
-            bores = [f.radius for i in {fit.a, fit.b} - {fit.shaft} for f in line.faces.get(i, ()) if f.bore]
-            return any(f.radius < _NARROW * fit.radius and f.radius < min(bores, default=0.0) for f in own)
-    return False
 
 
 def is_through_mount(survey: Survey, motor: Motor, part: int, axis: Axis) -> bool:

@@ -326,13 +326,14 @@ class Mechanism:
         return [other for gear, other in pairs if gear.part in members and gear.axis.same(axis, SAME_GEAR)]
 
     def _is_pin(self, members: Sequence[int], joint: Joint) -> bool:
-        """Whether a body that only spins is a rod, or a ring beside other joints, and no wheel."""
+        """Whether a body that only spins is a rod, or a ring beside other joints, and neither a wheel nor in a belt."""
         if self._survey.total_volume(members) < _CRUMB * self._survey.volume or self._is_rod(members, joint):
             return True
         # The last of several equal feet is none, either; a lone disc may be all that moves.
         volume = self._survey.total_volume(members)
         is_like_others = any(abs(volume - other) <= _EQUAL * volume for other in self._dropped)
-        return (len(self.joints) > 1 or is_like_others) and not self._is_wheel(members, joint)
+        is_moved = self._is_wheel(members, joint) or not self._survey.belted.keys().isdisjoint(members)
+        return (len(self.joints) > 1 or is_like_others) and not is_moved
 
     def _is_rod(self, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body is long, and in a bore of the other side of its joint."""

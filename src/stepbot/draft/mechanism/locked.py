@@ -13,8 +13,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 import numpy as np
 
 from stepbot.draft.contacts.freedom import FreedomKind
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, Weld, same_joint
-from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, same_joint
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism.joints import Joint, by_cluster
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
@@ -23,8 +22,6 @@ from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 REVIEW = "without it a loop of joints could not move"
-REVIEW_IDLE = "without it the motor would turn nothing"
-"""What to review of joints that were added for either."""
 _SCORE = 0.6
 _WEAKEST = 0.3
 """Score from which a refused joint may be needed."""
@@ -53,21 +50,6 @@ def missing_joints(
     ]
     inside.sort(key=lambda h: (-round(h.score, 6), h.a, h.b))
     return list(dict.fromkeys((h.a, h.b, str(h.type)) for h in inside))[:_MOST]
-
-
-def idle_motors(
-    motors: Sequence[Motor], arcs: Sequence[TreeJoint], offered: Sequence[JointEvidence], welds: Sequence[Weld]
-) -> dict[JointKey, str]:
-    """Of each named motor that is held and turns nothing the likeliest refused joint: not all around it holds it."""
-    busy, needed = {arc.evidence.motor for arc in arcs}, {}
-    for motor in motors:
-        holders = {i for w in welds if w.holds_motor and motor.case in (w.a, w.b) for i in (w.a, w.b)}
-        refused = [h for h in offered if h.a == motor.case and h.drives and h.verdict == Verdict.REFUSED]
-        own = [h for h in refused if h.b not in motor.parts and h.motor not in busy and holders - {h.a, h.b}]
-        if motor.is_named and own:
-            best = min(own, key=lambda h: (-round(h.score, 6), h.b))
-            needed[best.a, best.b, str(best.type)] = REVIEW_IDLE
-    return needed
 
 
 def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
