@@ -151,6 +151,16 @@ def test_a_rod_slides_in_its_barrel_between_two_pins_across_it(gland: float) -> 
     assert [kind for kind, *_ in joints(found) if kind == "prismatic"] == ["prismatic"]
 
 
+@pytest.mark.parametrize(("land", "kind"), [(10, "prismatic"), (44, "revolute")])
+def test_a_short_head_with_room_in_its_bore_slides(land: float, kind: str) -> None:
+    """A piston, without a loop that needs it, is marked; a head that fills its bore turns in it."""
+    barrel = cylinder(19, 60) - cylinder(14, 50).at(0, 0, 10)
+    rod = cylinder(13.9, land).at(0, 0, 12) + cylinder(6, 80).at(0, 0, 12 + land)
+    found = inferred(part("barrel", barrel), part("rod", rod))
+    assert joints(found) == [(kind, "barrel", "rod")]
+    assert ("room to travel" in found.arcs[0].evidence.review) == (kind == "prismatic")
+
+
 @pytest.mark.parametrize("fit", ["loose", "exact", "bearings"])
 def test_a_finger_that_a_block_on_two_rods_moves(fit: str) -> None:
     """A block on two rods of a frame slides in the loop of a link and a finger; the rods are no pins of a weld.

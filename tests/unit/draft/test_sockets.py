@@ -63,6 +63,10 @@ def test_stud_of_a_ball_goes_with_what_holds_it() -> None:
     """A ball stud screwed into a lever is no fastener and no link: the lever is on the ball joint."""
     stud = sphere(10) + cylinder(4, 40).at(0, 0, -49)
     lever = box(100, 30, 12).at(40, 0, -36) - cylinder(4, 12).at(0, 0, -42)
-    inference = inferred(group("base", part("block", socket(10.02))), part("lever", lever), part("ball stud", stud))
+    nodes = [group("base", part("block", socket(10.02))), part("lever", lever), part("ball stud", stud)]
+    inference = inferred(*nodes)
     assert joints(inference) == [("ball", "base/block", "lever")]
     assert {"lever", "ball stud"} in links(inference)
+    assert [h.type for h in inference.offered] == ["revolute"]
+    # Nothing asks whether a stud with a nut turns in the lever.
+    assert not inferred(*nodes, part("M8 nut", cylinder(7, 6) - cylinder(4, 6), z=-48)).offered

@@ -41,6 +41,8 @@ class Fit(Struct, frozen=True, eq=False):
     """Whether both cover more than half of the circumference."""
     guided: float = 0.0
     """Length [m] from the first to the last place where the shaft is in the other part, as from piston to gland."""
+    travel: float = 0.0
+    """By how much [m] a bore is longer than the face of a shaft that is all in it."""
 
     @property
     def radius(self) -> float:

@@ -102,6 +102,13 @@ class Relation(Struct, frozen=True, eq=False):
         return max((fit.guided for fit in self.shafts), default=0.0)
 
     @property
+    def is_piston(self) -> bool:
+        """Whether a shaft with play has room to travel in a bore that is longer than it, and no face stops it."""
+        return self.freedom.kind == FreedomKind.CYLINDRICAL and any(
+            fit.full and fit.clearance > _PLAY and fit.travel >= max(fit.length, fit.radius) for fit in self.shafts
+        )
+
+    @property
     def turns(self) -> Axis | None:
         """The axis, if it is a line that all contacts are centred on."""
         about = self.via in (Via.PIN, Via.BOLT, Via.FACE, Via.RING, Via.SEAM)

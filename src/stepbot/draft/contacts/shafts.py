@@ -104,11 +104,14 @@ def _pair_fits(line: CoaxialLine, a: int, b: int) -> list[Fit]:
 def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit | None:
     low, high = max(face_a.low, face_b.low), min(face_a.high, face_b.high)
     kind, shaft, full = FitKind.FLUSH, -1, face_a.span > HALF_ROUND and face_b.span > HALF_ROUND
+    travel = 0.0
     if face_a.bore != face_b.bore:
         kind, (bore, thin) = FitKind.SHAFT, (face_a, face_b) if face_a.bore else (face_b, face_a)
         if not fits(bore.radius, thin.radius, high - low):
             return None
         shaft = b if face_a.bore else a
+        if bore.low - _EQUAL <= thin.low and thin.high <= bore.high + _EQUAL:
+            travel = (bore.high - bore.low) - (thin.high - thin.low)
     elif face_a.bore:
         kind = FitKind.HOLES
         if not full or low - high >= BESIDE:
@@ -119,7 +122,7 @@ def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit 
         return None
     at = Axis(axis.point + axis.d * (0.5 * (low + high)), axis.d)
     length = high - low if kind == FitKind.SHAFT else low - high
-    return Fit(a, b, kind, at, face_a.radius, face_b.radius, length, shaft, full)
+    return Fit(a, b, kind, at, face_a.radius, face_b.radius, length, shaft, full, travel=travel)
 
 
 def _rank(fit: Fit) -> tuple[float, ...]:

@@ -80,10 +80,15 @@ class Motor(Struct, frozen=True, eq=False):
 
 def find_motors(survey: Survey) -> list[Motor]:
     """All motors; by use only if no name and no flange indicates one."""
-    by_name = _named_motors(survey) if survey.sources.names else []
+    by_name = [m for m in _named_motors(survey) if not _has_piston(survey, m)] if survey.sources.names else []
     known = {i for motor in by_name for i in motor.parts}
     by_size = [motor for motor in _motors_by_size(survey) if known.isdisjoint(motor.parts)]
     return [*by_name, *by_size] or _motors_by_use(survey)
+
+
+def _has_piston(survey: Survey, motor: Motor) -> bool:
+    """Whether a part of a motor has room to travel in another one: it is a linear actuator, whose output slides."""
+    return any(r.is_piston and r.other(i) in motor.parts for i in motor.parts for r in survey.near.get(i, ()))
 
 
 def _named_motors(survey: Survey) -> list[Motor]:

@@ -20,6 +20,8 @@ from stepbot.robot.model import JointKind
 _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong to it"
 """What to review of a pin at a part named a bearing."""
 _REVIEW_TUBES = "a round tube in another one: it may turn, too"
+_PISTON, _REVIEW_PISTON = 0.82, "a piston with room to travel in its bore: it may turn, too"
+"""Score and review of a short shaft with play in a long bore."""
 _TUBE, _WALL = 4.0, 0.5
 """Engaged length of tubes, in radii, from which one slides in the other; radius of the bore of a tube, in its own."""
 _NEAR, _NEAR_ACROSS = 0.6, 0.72
@@ -43,12 +45,10 @@ _SERIES = 0.82
 """Score of the weld of an exact fit, if one of its sides turns with play about its axis."""
 _SLOT, _OPPOSITE, _ACROSS = 0.35, 0.999, 1e-3
 """Score of a block in a slot; cosines of faces on both sides of it, and of its pin to them."""
-_SCREWED = 0.74
-"""Score of the weld of two parts that screws reach through, with spacers between them."""
+_SCREWED, _CLAMPED = 0.74, 0.74
+"""Scores of the welds of parts that screws reach through, with spacers between, and of a round body in a clamp."""
 _FASTENED = 0.94
 """Score of the weld of a motor's output and what is fastened to it."""
-_CLAMPED = 0.74
-"""Score of the weld of a round body in a clamp."""
 _MIDDLE = 1e-4
 """Distance [m] from the middle of a ball up to which a bore is through it."""
 _KEYED = 0.86
@@ -181,6 +181,9 @@ class PairEvidence:
         if self._are_rings(r):
             self._weld(r, _RINGS, "rings of one wheel")
             return
+        if self._is_ball_stud(r):
+            self._weld(r, _BORED, "the stem of a ball stud, with a nut")
+            return
         across = self._across(r)
         score = 0.82 if across else 0.3 if self._structure.are_together(r.a, r.b) else 0.7
         roles = self._roles(r)
@@ -214,7 +217,17 @@ class PairEvidence:
         kind, review = JointKind.REVOLUTE, _REVIEW_BEARING if Role.BEARING in roles else ""
         if _is_telescope(r):
             kind, review = JointKind.PRISMATIC, _REVIEW_TUBES
+        elif r.is_piston:
+            kind, review, score = JointKind.PRISMATIC, _REVIEW_PISTON, max(score, _PISTON)
         self._joint(r, score, kind, f"{_engaged(r)}{shoulder}", review)
+
+    def _is_ball_stud(self, r: Relation) -> bool:
+        """Whether a nut or the like is on both parts, and one has a ball on the line: it turns in its socket."""
+        axis, near = r.axis, [self._survey.near[i] for i in (r.a, r.b)]
+        if axis is None or not any(s.via == Via.BALL and _is_centred(axis, s) for some in near for s in some):
+            return False
+        about = [{i for s in some if s.turns and s.turns.same(axis) for i in (s.a, s.b)} for some in near]
+        return not self._survey.small.isdisjoint(about[0] & about[1])
 
     def _turns_with(self, r: Relation) -> bool:
         """Whether one of two parts turns with play on a third, about the same line: a rim on its hub turns with it.

@@ -296,10 +296,10 @@ def find_root(decision: Decision, structure: Structure, joints: Sequence[Joint],
         stubs = sum(degree[q] == 1 and volumes[q] < _STUB * volumes[root] for q in neighbours[root])
         is_end = degree[root] <= 1 or (holds[root] > 0 and degree[root] - stubs <= 1)
         one = _Candidate(members, share, volumes[root] / largest, degree[root] or 1, is_end, holds[root])
-        rank = _rank(decision.survey, structure, one, up) + _ON_GROUND * stands.get(root, 0.0)
         twins = (q for q in tied.members(root) if abs(mains[q] - mains[root]) < _TWIN * mains[root])
-        if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
-            rank -= _TRUNK  # one of several equal limbs
+        is_twin = any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins)
+        # One of several equal limbs may stand while the others are lifted.
+        rank = _rank(decision.survey, structure, one, up) + (-_TRUNK if is_twin else _ON_GROUND * stands.get(root, 0.0))
         if degree[root] == 1 and root not in stands and _is_roller(decision.survey, members, only[root], up):
             rank -= _TRUNK
         if degree[root] >= _BRANCHES and volumes[root] < largest and _is_outweighed(root, joints, volumes):
