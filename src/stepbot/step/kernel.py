@@ -104,6 +104,7 @@ def matrices_of(transformations: Sequence[Any]) -> Array:
 
 
 _SAME = 1e-9
+"""Deviation up to which motions are equal: relative, and for positions up to 1 in the unit of the matrices absolute."""
 
 
 def is_same_motion(a: Array, b: Array) -> bool:

@@ -42,7 +42,7 @@ class Fit(Struct, frozen=True, eq=False):
     guided: float = 0.0
     """Length [m] from the first to the last place where the shaft is in the other part, as from piston to gland."""
     travel: float = 0.0
-    """By how much [m] a bore is longer than the face of a shaft that is all in it."""
+    """By how much [m] a bore is longer than the face of a shaft that is all in it, and else 0."""
 
     @property
     def radius(self) -> float:
