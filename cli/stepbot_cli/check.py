@@ -1,6 +1,5 @@
 """``stepbot check``: check sidecars, optionally against their STEP files."""
 
-import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -154,7 +153,9 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
         _show(checked, failed, display, open_step=open_step)
     show_diagnostics(diagnostics, display, as_result=True)
     if open_step and len(sidecars) == 1 and not (diagnostics.has_errors or display != Display()):
-        path = shlex.quote(sidecars[0].as_posix())
+        from shlex import quote
+
+        path = quote(sidecars[0].as_posix())
         write_result(f"joints, each with its axis and faces: -v    next: stepbot convert {printable(path)}")
     return diagnostics.exit_code
 

@@ -1,6 +1,5 @@
 """Diagnostics in the formats of programs that show them beside the code: GitHub, GitLab, SARIF for both, and JUnit."""
 
-import hashlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -162,8 +161,10 @@ def _location(diagnostic: Diagnostic) -> dict[str, Any]:
 
 def _fingerprints(diagnostics: Iterable[Diagnostic]) -> Iterator[tuple[Diagnostic, str]]:
     """Each diagnostic with a hash that stays the same when its line moves, and is its own in the report."""
+    from hashlib import sha256
+
     seen: Counter[tuple[str, str, str]] = Counter()
     for diagnostic in diagnostics:
         what = (_path(diagnostic), diagnostic.code, diagnostic.message)
         seen[what] += 1
-        yield diagnostic, hashlib.sha256("\n".join((*what, str(seen[what]))).encode()).hexdigest()
+        yield diagnostic, sha256("\n".join((*what, str(seen[what]))).encode()).hexdigest()

@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from shlex import join
-from string import Formatter
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import is_folder, read_regular, resolved
@@ -105,6 +104,8 @@ def output_folder(template: str, name: str, sidecar: Path) -> Path:
     Raises:
         ValueError: The template has another placeholder, or a single brace.
     """
+    from string import Formatter
+
     values = {"name": name, "folder": sidecar.parent.as_posix()}
     try:
         fields = {

@@ -12,7 +12,6 @@ Only regular files with the names of entries are read and removed; no symbolic l
 
 import contextlib
 import errno
-import hashlib
 import os
 import re
 import sys
@@ -23,6 +22,7 @@ from stat import S_ISREG
 from typing import NamedTuple
 
 from ..file import exists, open_regular
+from .digest import ENTRY_SIZE, entry_digest
 
 _NAME = "stepbot"
 
@@ -50,8 +50,7 @@ DEFAULT_LIMIT = 2 * 2**30
 """Maximum size [bytes] of all entries."""
 
 _FORMAT = "entries-1"
-_HEAD = b"stepbot cache entry 2\n"
-_DIGEST_SIZE = 32
+_HEAD = b"stepbot cache entry 3\n"
 _ENTRY = re.compile("[0-9a-f]{30,}")
 """Name of an entry: its key without the first two digits, which name its folder."""
 _FOLDER = re.compile("[0-9a-f]{2}")
@@ -104,10 +103,10 @@ class Cache:
             with open_regular(path, follow_links=False) as file:
                 if os.fstat(file.fileno()).st_size > self.limit:
                     return None
-                head, hashed, content = file.read(len(_HEAD)), file.read(_DIGEST_SIZE), file.read()
+                head, hashed, content = file.read(len(_HEAD)), file.read(ENTRY_SIZE), file.read()
         except OSError:
             return None
-        if head != _HEAD or hashed != _digest(key, content):
+        if head != _HEAD or hashed != entry_digest(key, content):
             return None
         try:
             os.utime(path)
@@ -126,7 +125,7 @@ class Cache:
             path.parent.mkdir(parents=True, exist_ok=True)
             if _is_linked(path):
                 raise OSError(errno.ELOOP, "a folder of the cache is a symbolic link", str(path.parent))
-            _write(path, _HEAD + _digest(key, content) + content)
+            _write(path, _HEAD + entry_digest(key, content) + content)
         except OSError as error:
             self.trouble = f"cannot write {error.filename or path}: {error.strerror or error}"
             return
@@ -230,9 +229,3 @@ def _removed(path: Path | str) -> bool:
     except OSError:
         return False
     return True
-
-
-def _digest(key: str, content: bytes) -> bytes:
-    hashed = hashlib.sha256(key.encode())
-    hashed.update(content)
-    return hashed.digest()

@@ -44,7 +44,7 @@ def test_broken_entry_is_a_miss(tmp_path: Path, damage: str) -> None:
             "flipped": data[:500] + bytes([data[500] ^ 1]) + data[501:],
             "empty": b"",
             "longer": data + b"x",
-            "other head": data.replace(b"entry 2", b"entry 1"),
+            "other head": data.replace(b"entry 3", b"entry 2"),
         }[damage]
     )
     assert cache.get(key(1)) is None
