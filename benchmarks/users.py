@@ -32,7 +32,6 @@ _ROWS = (
     (who.BARE, who.EDITED_VERIFIED, "the same, verified"),
     (who.CLICK, who.CHECK, "`check` of an unchanged sidecar"),
 )
-_BATCH = tuple(f"stepbot_{name}" for name in ("arm2", "four_bar", "slider_crank", "scara", "diff_drive", "desk_arm"))
 CaseOf = Callable[[Path, Path], Case]
 """The case of a sidecar, in a folder."""
 
@@ -55,48 +54,42 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-n", "--rounds", type=int, default=5, metavar="N", help="[default: 5]")
     parser.add_argument("--instances", type=int, default=60, metavar="N", help="0 for none [default: 60]")
     parser.add_argument("--distinct", type=int, default=20, metavar="N", help="0 for none [default: 20]")
+    parser.add_argument(
+        "--engines", metavar="PYTHON", help="that of an environment with `stepbot[verify,usd]`, for one line more"
+    )
     parser.add_argument("--write", action="store_true", help="update the page")
 
 
-def lines(
-    sidecar: Path,
-    others: Sequence[Path],
-    many: tuple[int, int],
-    revision: str,
-    rounds: int,
-    folder: Path,
-    case_of: CaseOf,
-) -> Iterator[Line]:
-    """Measure all lines, one after the other.
+def lines(options: argparse.Namespace, sidecar: Path, folder: Path, case_of: CaseOf) -> Iterator[Line]:
+    """Measure all lines, one after the other; those of several files and of many robots in one round.
 
     Args:
+        options: Those of :func:`add_options`.
         sidecar: The robot of most lines.
-        others: Further STEP files, for the first conversion.
-        many: Numbers of instances and of distinct robots in the lines of many; 0 for no such lines.
-        revision: The earlier revision.
-        rounds: Of most lines; those of several files and of many robots have one.
         folder: For copies and results.
         case_of: Makes the case of a sidecar.
     """
-    sources = (Source("now", ROOT), source_of(revision, folder / "earlier"))
+    sources, rounds = (Source("now", ROOT), source_of(options.against, folder / "earlier")), options.rounds
     case = case_of(sidecar, folder / "robot")
     for reference, contender, what in _ROWS:
         yield _line(what, case, reference, contender, sources, rounds)
+        if contender is who.VERIFIED and options.engines:
+            every = replace(contender, command=lambda one: [options.engines, *who.VERIFIED.command(one)[1:]])
+            yield _line("the same with all engines of `stepbot[verify,usd]`", case, reference, every, sources, rounds)
     bare = peak_memory(who.BARE.command(case), case.folder, case.environment)
     peaks = [peak_memory(who.COLD.command(case), case.folder, one.environment(case)) / bare for one in sources]
     yield Line("memory of the first conversion", who.BARE.name, peaks[:1], peaks[1:])
-    ofs = [_line("", _plain(step, folder, case_of), who.BARE, who.COLD, sources, 1) for step in others]
+    ofs = [_line("", _plain(step, folder, case_of), who.BARE, who.COLD, sources, 1) for step in options.files[1:]]
     if ofs:
         values = ([one for line in ofs for one in getattr(line, name)] for name in ("now", "before", "elapsed"))
         yield Line(f"first conversion of {len(ofs)} assemblies with one link", who.BARE.name, *values)
     yield _batch(sources, folder)
     seconds = [list(seconds_to_page(case, one.environment(case), rounds)) for one in sources]
     yield Line("from a save to the changed robot in the page of `view --edit`, elapsed", "seconds", *seconds)
-    instances, distinct = many
-    if instances:
-        yield from _many(case.step, instances, sources, folder, case_of)
-    if distinct:
-        yield from _distinct(case.step, distinct, sources, folder, case_of)
+    if options.instances:
+        yield from _many(case.step, options.instances, sources, folder, case_of)
+    if options.distinct:
+        yield from _distinct(case.step, options.distinct, sources, folder, case_of)
 
 
 def _line(
@@ -131,11 +124,13 @@ def _plain(step: Path, folder: Path, case_of: CaseOf) -> Case:
 
 
 def _batch(sources: Sequence[Source], folder: Path) -> Line:
-    """Robots of each revision's library on two cores, relative to one: what a second process loads again and saves."""
+    """Each revision's library on two cores, relative to one: what a second process loads again and saves."""
+    robots = [{path.parent.name for path in one.root.glob("robot_library/*/*.robot.yaml")} for one in sources]
+    names = sorted(set.intersection(*robots))
     ratios = []
     for one in sources:
         place = folder / "batch" / one.name
-        for name in _BATCH:
+        for name in names:
             shutil.copytree(one.root / "robot_library" / name, place / "robots" / name)
         case = Case("batch", place, place, place)
         costs = []
@@ -145,7 +140,7 @@ def _batch(sources: Sequence[Source], folder: Path) -> Line:
             costs.append(timed(contender.command(case), place, one.environment(case)))
         ratios.append((costs[1].cpu / costs[0].cpu, costs[1].wall / costs[0].wall))
     (now, elapsed), (before, _) = ratios
-    return Line(f"`batch -j 2` of {len(_BATCH)} robots", "`batch -j 1`", [now], [before], [elapsed])
+    return Line(f"`batch -j 2` of the library, {len(names)} folders", "`batch -j 1`", [now], [before], [elapsed])
 
 
 def _many(step: Path, count: int, sources: Sequence[Source], folder: Path, case_of: CaseOf) -> Iterator[Line]:
