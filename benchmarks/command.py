@@ -302,7 +302,8 @@ def _drafting(options: argparse.Namespace, _: Path) -> None:
 def _users(options: argparse.Namespace, folder: Path) -> None:
     sidecar = with_collision(drafted(options.files[0], folder / "drafts"), "hull", folder)
     measured = users.lines(options, sidecar, folder, lambda file, place: case_of(file, None, place))
-    conditions = f"{machine()}; the robot is `{options.files[0].name}`, before is `{options.against}`."
+    robot = options.files[0].name
+    conditions = f"{machine()}; engines: {users.engines_here()}; the robot is `{robot}`, before is `{options.against}`."
     users.publish(measured, conditions, write=options.write)
 
 

@@ -14,6 +14,9 @@ from statistics import median
 from msgspec import Struct
 from msgspec.structs import replace
 
+from stepbot.engines import engines_for
+from stepbot.formats import default_formats
+
 from . import contenders as who
 from .assemblies import SIDECAR
 from .comparison import alternate
@@ -27,7 +30,7 @@ PAGE = ROOT / "docs" / "commands.md"
 _PART = re.compile(r"(<!-- table -->\n).*?(<!-- end -->)", re.DOTALL)
 _ROWS = (
     (who.BARE, who.COLD, "first conversion to three formats, not verified (`--no-verify`)"),
-    (who.BARE, who.VERIFIED, "the same, verified in all installed engines"),
+    (who.BARE, who.VERIFIED, "the same, verified"),
     (who.BARE, who.EDITED, "after an edit of the sidecar, not verified"),
     (who.BARE, who.EDITED_VERIFIED, "the same, verified"),
     (who.CLICK, who.CHECK, "`check` of an unchanged sidecar"),
@@ -179,6 +182,12 @@ def _cost(case: Case, arguments: Sequence[str], environment: Mapping[str, str]) 
         "inspect": [case.step.name],
     }[name]
     return timed([*STEPBOT, name, *given, *options, "--no-cache"], case.folder, environment)
+
+
+def engines_here() -> str:
+    """Names of the engines that verify a conversion to the default formats, without stepbot's own parsers."""
+    every = sorted({engine for name in default_formats() for engine in engines_for(name)}, key=lambda one: one.order)
+    return ", ".join(one.title or one.name for one in every if not one.own_parser and one.available() is None)
 
 
 def publish(found: Iterable[Line], conditions: str, *, write: bool) -> None:
