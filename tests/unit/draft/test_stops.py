@@ -5,6 +5,7 @@ from math import asin, degrees, pi
 import numpy as np
 import pytest
 import trimesh
+from msgspec.structs import replace
 
 from stepbot.draft.draft import Confidence, Draft, DraftJoint, DraftLink, OriginForm, OriginSnippet
 from stepbot.draft.stops import stops
@@ -47,6 +48,23 @@ def test_lugs_stop_a_turn_where_they_meet() -> None:
     assert upper.position == pytest.approx(0.5 * pi - 2.0 * half, abs=1e-3)
     assert lower.position == pytest.approx(-1.5 * pi + 2.0 * half, abs=1e-3)
     assert (upper.still, upper.moving) == (0, 1)
+
+
+def test_equal_joints_are_stopped_by_their_own_parts() -> None:
+    """Joints elsewhere with equal lugs have the same stops; one whose lug is nearer has others."""
+    questions = []
+    for number, (away, near) in enumerate(((0.0, 0.0), (0.3, 0.0), (0.7, 0.004))):
+        middle = np.array([away, -away, 0.1])
+        moving = box(3 * number + 1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+        still = box(3 * number, (near, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+        lugs = (replace(lug, vertices=lug.vertices + middle) for lug in (still, moving))
+        questions.append(Question(False, middle, np.array([0.0, 0.0, 1.0]), *((lug,) for lug in lugs)))
+    first, second, third = find_stops(questions)
+    assert [(stop.still, stop.moving) for stop in second.stops] == [(3, 4)] * 2
+    assert [stop.position for stop in second.stops] == [stop.position for stop in first.stops]
+    assert [(stop.still, stop.moving) for stop in third.stops] == [(6, 7)] * 2
+    assert abs(third.stops[1].position - first.stops[1].position) > 0.03
+    assert find_stops(questions[1:2]) == (second,)
 
 
 def test_shaft_in_its_bore_stops_nothing() -> None:

@@ -10,6 +10,7 @@ from itertools import combinations
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.planes import GAP, Facing, Planes
@@ -60,24 +61,25 @@ def find_captured(
         cut: Gets a note if a part is left out.
     """
     captured: dict[Pair, Captured] = {}
-    planes: Planes | None = None
-    known: dict[bytes, bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
-    alone: set[tuple[int, bytes]] = set()  # likewise, of parts with their pads
-    inside = frozenset(larger)
+    slides: dict[bytes, tuple[bool, Captured | None]] = {}  # in the frame of a part, and whether faces are beside it
+    alone: set[tuple[int, bytes]] = set()  # of parts with their pads: those that are no slide
+    planes, inside = scene.of_all(Planes), frozenset(larger)
     bolted, pads = _bolted(relations, inside), _pads(scene, relations, inside)
     for pair, arrangement in _overlapping(scene, larger, cut):
-        planes = planes or Planes(scene)
         for one, host in _within(scene, pair, bolted):
             placed = arrangement if len(host) == 1 else scene.arrangement(one, host)
-            if placed not in known:
+            X = scene.component(one).X_WC
+            if placed not in slides:
                 facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
                 slide = _slide(facing) if len(facing) > 1 else None
-                if slide is not None and not _is_locked(relations, one, host, slide.axis):
+                slides[placed] = bool(facing), slide and replace(slide, axis=slide.axis.moved(X.inverse()))
+            is_beside, slide = slides[placed]
+            if slide is not None:
+                slide = replace(slide, axis=slide.axis.moved(X))
+                if not _is_locked(relations, one, host, slide.axis):
                     captured[pair] = slide
                     break
-                if slide is None:
-                    known[placed] = bool(facing)
-            if len(host) == 1 and not known.get(placed, True):
+            if len(host) == 1 and not is_beside:
                 break  # nothing is beside: what is bolted on makes no slot of it
         if pair not in captured and pair not in relations:
             lined, sides = _lined(scene, pair, pads)
@@ -146,7 +148,7 @@ def _is_locked(relations: Mapping[Pair, Relation], one: int, host: Sequence[int]
 
 def _overlapping(scene: Scene, larger: Collection[int], cut: dict[str, None]) -> Iterator[tuple[Pair, bytes]]:
     """Pairs of parts whose boxes overlap, with their arrangement."""
-    counts = {i: len(scene.columns(i, FaceKind.PLANE).faces) for i in larger if i in scene.boxes}
+    counts = {i: scene.count(i, FaceKind.PLANE) for i in larger if i in scene.boxes}
     if any(count > _MOST_PLANES for count in counts.values()):
         cut[f"parts with more than {_MOST_PLANES} plane faces were not tried as slides in others"] = None
     ids = sorted(i for i, count in counts.items() if 0 < count <= _MOST_PLANES)

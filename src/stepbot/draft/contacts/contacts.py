@@ -4,6 +4,7 @@ from collections import defaultdict
 from enum import StrEnum
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.draft.parts.axis import Axis
 from stepbot.geometry.spatial import Array
@@ -74,6 +75,11 @@ class Patch(Struct, frozen=True, eq=False):
     """Shape (3,): outward normal of b."""
     gap: float
     """Distance [m] of b's plane from ``point`` along ``normal``."""
+
+    def of_others(self, a: int, b: int, shift: Array) -> "Patch":
+        """That of two other parts, which are placed likewise but for a shift [m]."""
+        rings = tuple(ring + shift for ring in self.rings)
+        return replace(self, a=a, b=b, point=self.point + shift, hull=self.hull + shift, rings=rings)
 
 
 class Socket(Struct, frozen=True, eq=False):

@@ -45,15 +45,21 @@ class Facing(Struct, frozen=True, eq=False):
 
 def find_patches(scene: Scene, contacts: Contacts) -> None:
     """Add all shared areas to the contacts."""
-    planes = Planes(scene)
-    seen: set[tuple[int, int]] = set()
-    for p, q in planes.candidates():
-        one, two = (p, q) if planes.parts[p] < planes.parts[q] else (q, p)
-        if (one, two) not in seen:
-            seen.add((one, two))
-            patch = planes.patch(one, two)
-            if patch is not None:
-                contacts.patches[patch.a, patch.b].append(patch)
+    planes = scene.of_all(Planes)
+    part_of = planes.parts.tolist()
+    facing = dict.fromkeys((p, q) if part_of[p] < part_of[q] else (q, p) for p, q in planes.candidates())
+    placed = dict(scene.shifted(sorted({(part_of[p], part_of[q]) for p, q in facing})))
+    known: dict[tuple[bytes, int, int], Patch | None] = {}  # of the first of pairs that are placed likewise
+    for p, q in facing:
+        a, b = part_of[p], part_of[q]
+        key = placed[a, b], p - planes.first(a), q - planes.first(b)
+        if key not in known:
+            known[key] = patch = planes.patch(p, q)
+        else:
+            patch = known[key]
+            patch = patch and patch.of_others(a, b, scene.shift(patch.a, a))
+        if patch is not None:
+            contacts.patches[a, b].append(patch)
 
 
 class Planes:
@@ -62,20 +68,26 @@ class Planes:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         columns = [scene.columns(part, FaceKind.PLANE) for part in scene.parts]
+        counts = [len(column.faces) for column in columns]
         nothing = np.zeros((0, 3))
         self.points, self.normals, self._low, self._high = (
             np.concatenate([nothing, *(getattr(column, name) for column in columns)])
             for name in ("points", "directions", "low", "high")
         )
         self._faces = [face for column in columns for face in column.faces]
-        self.parts = np.repeat(np.array(scene.parts, dtype=np.int64), [len(column.faces) for column in columns])
+        self.parts = np.repeat(np.array(scene.parts, dtype=np.int64), counts)
+        self._first: dict[int, int] = dict(zip(scene.parts, np.cumsum([0, *counts]).tolist(), strict=False))
         self._signed = signed(self.normals)
         self._heights = np.einsum("ij,ij->i", self.points, self._signed)
         self._up = np.einsum("ij,ij->i", self.normals, self._signed) > 0.0
         self._outlined = np.flatnonzero([bool(face.rings) for face in self._faces])
-        counts = np.bincount(self.parts[self._outlined], minlength=max(scene.parts, default=-1) + 1)
-        self._of = np.split(self._outlined, np.cumsum(counts[:-1]))
+        outlined = np.bincount(self.parts[self._outlined], minlength=max(scene.parts, default=-1) + 1)
+        self._of = np.split(self._outlined, np.cumsum(outlined[:-1]))
         self._regions: dict[tuple[int, bytes], Region] = {}
+
+    def first(self, part: int) -> int:
+        """The number of the first plane of a part."""
+        return self._first[part]
 
     def of(self, part: int) -> Indices:
         """The numbers of the planes of a part that have an outline."""

@@ -14,6 +14,7 @@ from stepbot.draft.contacts.concentric import concentric_axis
 from stepbot.draft.contacts.contacts import Contacts, Fit, FitKind, Pair, Patch, Socket
 from stepbot.draft.contacts.freedom import Freedom, FreedomKind, freedom
 from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
@@ -120,17 +121,23 @@ class Relation(Struct, frozen=True, eq=False):
         return self.freedom.kind == FreedomKind.RIGID
 
 
-def find_relations(contacts: Contacts) -> dict[Pair, Relation]:
-    """The relation of every pair of parts that touch."""
+def find_relations(scene: Scene, contacts: Contacts) -> dict[Pair, Relation]:
+    """The relation of every pair of parts that touch; that of the first of pairs which are placed likewise, shifted."""
     turned = turned_lines(contacts)
-    return {
-        (a, b): relate(
-            (a, b),
-            *(contacts.fits.get((a, b), ()), contacts.patches.get((a, b), ()), contacts.sockets.get((a, b), ())),
-            [*turned.get(a, ()), *turned.get(b, ())],
-        )
-        for a, b in contacts.pairs()
-    }
+    known: dict[tuple[bytes, int, int, int], Relation] = {}
+    relations = {}
+    for (a, b), placed in scene.shifted(contacts.pairs()):
+        fits, patches = contacts.fits.get((a, b), ()), contacts.patches.get((a, b), ())
+        sockets = contacts.sockets.get((a, b), ())
+        key = placed, len(fits), len(patches), len(sockets)
+        if key not in known:
+            known[key] = relate((a, b), fits, patches, sockets, [*turned.get(a, ()), *turned.get(b, ())])
+        first, shift = known[key], scene.shift(known[key].a, a)
+        free, axis = first.freedom, first.axis and replace(first.axis, point=first.axis.point + shift)
+        free = free if free.point is None else replace(free, point=free.point + shift)
+        touching = {"fits": tuple(fits), "patches": tuple(patches), "sockets": tuple(sockets)}
+        relations[a, b] = replace(first, a=a, b=b, **touching, freedom=free, axis=axis)
+    return relations
 
 
 def turned_lines(contacts: Contacts) -> dict[int, list[Axis]]:

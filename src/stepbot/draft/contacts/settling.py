@@ -156,7 +156,7 @@ def _planes(
     Args:
         off: The round faces of pieces that are drawn off each other.
     """
-    planes, shown = Planes(scene), {(fit.a, fit.b) for fit in off}
+    planes, shown = scene.of_all(Planes), {(fit.a, fit.b) for fit in off}
     reach = min(OFFSET, _GAPS * float(np.median([fit.offset for fit in off]))) if off else _GAP
     ids = [i for i in parts if parts[i].size and i not in small]
     boxes = np.array([parts[i].box for i in ids]).reshape(-1, 2, 3)

@@ -13,7 +13,7 @@ from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, Fit, FitKind,
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.geometry.spatial import Array
-from stepbot.step.faces import FaceKind
+from stepbot.step.faces import Face, FaceKind
 from stepbot.step.features.axes import ANGLE_TOLERANCE, DISTANCE_TOLERANCE
 from stepbot.step.features.axis_contacts import BESIDE, LOOSEST, SLACK_SHARE, fits
 from stepbot.step.features.coaxial import Rays, coaxial, signed
@@ -31,12 +31,15 @@ _EQUAL = 1e-7
 
 def find_fits(scene: Scene, contacts: Contacts) -> None:
     """Add all lines, and the fits on them, to the contacts."""
-    rows = scene.faces(FaceKind.CYLINDER) + scene.faces(FaceKind.CONE)
-    if not rows:
+    columns = [(part, scene.columns(part, kind)) for kind in (FaceKind.CYLINDER, FaceKind.CONE) for part in scene.parts]
+    faces = [(part, face) for part, column in columns for face in column.faces]
+    if not faces:
         return
-    rays = Rays(np.array([r.point for r in rows]), np.array([r.direction for r in rows]))
+    rays = Rays(
+        *(np.concatenate([getattr(column, name) for _, column in columns]) for name in ("points", "directions"))
+    )
     for group in coaxial(rays, DISTANCE_TOLERANCE, ANGLE_TOLERANCE):
-        line = _line([rows[i] for i in group.tolist()])
+        line = _line([faces[i] for i in group.tolist()], rays.rows(group))
         contacts.lines.append(line)
         for a, b in neighbours_on(line):
             contacts.fits[a, b] += _pair_fits(line, a, b)
@@ -44,16 +47,15 @@ def find_fits(scene: Scene, contacts: Contacts) -> None:
         del contacts.fits[pair]
 
 
-def _line(rows: Sequence[PlacedFace]) -> CoaxialLine:
-    best = max(rows, key=lambda r: (r.face.kind == FaceKind.CYLINDER, r.face.radius))
-    axis = Axis(best.point, signed(best.direction[None, :])[0])
+def _line(rows: Sequence[tuple[int, Face]], rays: Rays) -> CoaxialLine:
+    """The line through the widest of some faces of parts, with their rays."""
+    faces = [face for _, face in rows]
+    best = max(range(len(faces)), key=lambda k: (faces[k].kind == FaceKind.CYLINDER, faces[k].radius))
+    axis = Axis(rays.centers[best], signed(rays.directions[best : best + 1])[0])
     by_part: dict[int, list[LineFace]] = defaultdict(list)
-    for row in rows:
-        along, half = float((row.point - axis.point) @ axis.d), 0.5 * row.face.length
-        face = LineFace(
-            row.face.radius, along - half, along + half, row.face.bore, row.face.span, row.face.kind == FaceKind.CONE
-        )
-        by_part[row.part].append(face)
+    for (part, face), along in zip(rows, ((rays.centers - axis.point) @ axis.d).tolist(), strict=True):
+        low, high = along - 0.5 * face.length, along + 0.5 * face.length
+        by_part[part].append(LineFace(face.radius, low, high, face.bore, face.span, face.kind == FaceKind.CONE))
     return CoaxialLine(axis, {part: _joined(faces) for part, faces in sorted(by_part.items())})
 
 
@@ -141,9 +143,10 @@ _NEIGHBOURS = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0
 def find_sockets(scene: Scene, contacts: Contacts) -> None:
     """Add all balls in sockets to the contacts, each pair of parts and centre once."""
     cells: dict[tuple[int, ...], list[PlacedFace]] = defaultdict(list)
-    for row in scene.faces(FaceKind.SPHERE):
+    spheres = scene.faces(FaceKind.SPHERE)
+    for row in spheres:
         cells[_cell(row.point)].append(row)
-    for ball in (row for row in scene.faces(FaceKind.SPHERE) if not row.face.bore):
+    for ball in (row for row in spheres if not row.face.bore):
         x, y, z = _cell(ball.point)
         for dx, dy, dz in _NEIGHBOURS:
             for socket in cells.get((x + dx, y + dy, z + dz), ()):

@@ -73,7 +73,7 @@ class Survey:
         """How parts were moved in the assembly before anything was compared: those that are drawn off what they fit."""
         self.scene = Scene(assembly)
         self.contacts = find_contacts(self.scene)
-        self.relations = find_relations(self.contacts)
+        self.relations = find_relations(self.scene, self.contacts)
         self.near = neighbours(self.relations)
         self.turned = turned_lines(self.contacts)
         self.parts = read_parts(self.scene, self.contacts, use_names=sources.names)
@@ -113,8 +113,7 @@ class Survey:
         shifts = [float(np.linalg.norm(self.moved[i].apply(axis.point) - axis.point)) for i in parts if i in self.moved]
         if len(shifts) < len(parts):
             return axis
-        X = self.moved[[*parts][int(np.argmin(shifts))]].inverse()
-        return Axis(X.apply(axis.point), None if axis.direction is None else X.turn(axis.d))
+        return axis.moved(self.moved[[*parts][int(np.argmin(shifts))]].inverse())
 
     def drawn_off(self, parts: Iterable[int], at: Array) -> float:
         """How far some parts are drawn off each other at a point [m], at most."""

@@ -59,7 +59,7 @@ class Rim(Struct, frozen=True, eq=False):
 
     def placed(self, X: Pose) -> "Rim":
         """This rim, given in the frame of a definition, in the assembly."""
-        return Rim(Axis(X.apply(self.axis.point), X.turn(self.axis.d)), self.tip, self.teeth)
+        return Rim(self.axis.moved(X), self.tip, self.teeth)
 
 
 class Rack(Struct, frozen=True, eq=False):

@@ -254,7 +254,7 @@ class PairEvidence:
         """Whether one part is on the output of a motor, and the other ends in it or around it, about the same line."""
         pair = {r.a, r.b}
         return not self._is_through(r, axis) and any(
-            line.same(axis) and pair & outputs and not pair & case for line, case, outputs in self._driven
+            pair & outputs and not pair & case and line.same(axis) for line, case, outputs in self._driven
         )
 
     def _is_on_spindle(self, r: Relation, axis: Axis) -> bool:

@@ -19,7 +19,7 @@ from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvidence, Priority, Weld
 from stepbot.draft.evidence.wheels import TREAD
 from stepbot.draft.parts.axis import Axis
-from stepbot.draft.parts.parts import box_gaps
+from stepbot.draft.parts.parts import Boxes
 from stepbot.geometry.spatial import Array, cross, unit
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Body
@@ -68,14 +68,19 @@ def _may_hold(survey: Survey, hub: int, roller: _Roller) -> bool:
 def roller_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add the joints of all patterns of rollers, and their hubs as wheels."""
     free = [roller for i in survey.parts if (roller := _roller(survey, i)) is not None]
+    sizes = _BESIDE * np.array([survey.parts[roller.part].size for roller in free])
+    boxes = Boxes(np.array([survey.parts[roller.part].box for roller in free]).reshape(-1, 2, 3))
     taken: set[int] = set()
     pinned: list[Axis] = []
     """The axes of rollers."""
     for hub in sorted(survey.turned, key=lambda i: (-survey.parts[i].volume, i)):
-        free = [roller for roller in free if roller.part not in taken]
-        if len(free) < _FEWEST:
+        if len(free) - len(taken) < _FEWEST:
             return
-        around = _beside(survey, free, hub) if hub not in survey.small else []
+        if hub in survey.small:
+            continue
+        # Only close ones: several wheels may be on one axis.
+        near, gaps = boxes.within(survey.parts[hub].box, float(sizes.max()))
+        around = [free[k] for k in near[gaps < sizes[near]].tolist() if free[k].part not in taken]
         for axis in survey.turned[hub] if len(around) >= _FEWEST else ():
             low, high = survey.scene.span(hub, axis.d)
             level = [
@@ -149,13 +154,6 @@ def _runs_along(survey: Survey, rail: int, wheels: Mapping[int, Axis]) -> Axis |
     if not rows[1] or not rows[-1] or not is_row or not start < every[0] < every[-1] < end:
         return None
     return Axis(survey.parts[rail].com, along)
-
-
-def _beside(survey: Survey, rollers: Sequence[_Roller], hub: int) -> list[_Roller]:
-    """The rollers close to a hub, by their boxes: several wheels may be on one axis."""
-    gaps = box_gaps(np.array([survey.parts[r.part].box for r in rollers]), survey.parts[hub].box[None])[:, 0]
-    near = gaps < _BESIDE * np.array([survey.parts[r.part].size for r in rollers])
-    return [rollers[k] for k in np.flatnonzero(near).tolist()]
 
 
 def _roller(survey: Survey, index: int) -> _Roller | None:

@@ -1,6 +1,6 @@
 """Subassemblies as links: they move as one, unless a joint is inside or they are folders of unconnected parts."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 
@@ -36,7 +36,10 @@ class Structure:
         self.groups: list[int] = []
         """Components with several larger parts that look like links."""
         if survey.sources.tree:
-            self._visit(survey.top, mechanisms | self._moving_pairs())
+            moving: dict[int, set[int]] = defaultdict(set)
+            for a, b in mechanisms | self._moving_pairs():
+                moving[a].add(b)
+            self._visit(survey.top, moving)
 
     def are_across(self, a: int, b: int) -> bool:
         """Whether the tree puts two parts in different links, at least one of which is a subassembly."""
@@ -112,7 +115,7 @@ class Structure:
         )
         return bool(one and two) and one.isdisjoint(two)
 
-    def _visit(self, node: int, mechanisms: set[tuple[int, int]]) -> None:
+    def _visit(self, node: int, moving: Mapping[int, set[int]]) -> None:
         for child in self._assembly.children[node]:
             members = [
                 i for i in self._assembly.subtree(child) if i in self._survey.parts and i not in self._survey.small
@@ -121,9 +124,9 @@ class Structure:
                 continue
             inside = set(members)
             is_assembly = bool(self._assembly.children[child]) and self._assembly.components[child].body < 0
-            moves = any(i in inside and j in inside for i, j in mechanisms)
+            moves = any(i in moving and not inside.isdisjoint(moving[i]) for i in members)
             if is_assembly and (moves or child in self._survey.tops or self._is_folder(members)):
-                self._visit(child, mechanisms)
+                self._visit(child, moving)
                 continue
             self.link_of.update(dict.fromkeys(members, child))
             if len(members) > 1:

@@ -20,7 +20,7 @@ from stepbot.draft.evidence.evidence import ONLY_CONNECTION, JointEvidence, Verd
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
-from stepbot.draft.parts.scene import PlacedFace, Scene
+from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.robot.model import JointKind
 from stepbot.step.faces import Face, FaceKind
@@ -63,9 +63,13 @@ def seam_faces(scene: Scene, parts: Container[int]) -> list[SeamFace]:
     """All such faces of some parts."""
     rows: list[SeamFace] = []
     for kind in (FaceKind.CYLINDER, FaceKind.CONE, FaceKind.TORUS):
-        for placed in scene.faces(kind):
-            if placed.part in parts and placed.face.radius >= _SMALLEST_RADIUS:
-                rows += _revolved(placed)
+        for part in (part for part in scene.parts if part in parts):
+            column = scene.columns(part, kind)
+            for row, face in enumerate(column.faces):
+                shape = _shape(face) if face.radius >= _SMALLEST_RADIUS else None
+                if shape is not None:
+                    at, direction = column.points[row], column.directions[row]
+                    rows.append(SeamFace(part, at, direction, face.radius, 0.5 * face.length, shape, face.bore))
     # The faces of a definition are looked at once.
     known: dict[int, list[tuple[Face, _Outline]]] = {}
     for part in scene.parts:
@@ -85,15 +89,12 @@ def _outlines(faces: Iterable[Face]) -> list[tuple[Face, _Outline]]:
     return [(face, outline) for face in planes if (outline := _outline(face)) is not None]
 
 
-def _revolved(placed: PlacedFace) -> list[SeamFace]:
-    face = placed.face
+def _shape(face: Face) -> SeamShape | None:
+    """What a face of revolution shows, if anything."""
     if face.span >= _HALF or face.kind == FaceKind.TORUS:
-        shape = SeamShape.ROUND
-    elif face.span >= _CRADLE and face.bore and face.kind == FaceKind.CYLINDER:
-        shape = SeamShape.CRADLE
-    else:
-        return []
-    return [SeamFace(placed.part, placed.point, placed.direction, face.radius, 0.5 * face.length, shape, face.bore)]
+        return SeamShape.ROUND
+    is_cradle = face.span >= _CRADLE and face.bore and face.kind == FaceKind.CYLINDER
+    return SeamShape.CRADLE if is_cradle else None
 
 
 def _outline(face: Face) -> _Outline | None:

@@ -5,7 +5,7 @@ from math import hypot
 import numpy as np
 from msgspec import Struct
 
-from stepbot.geometry.spatial import Array, cross
+from stepbot.geometry.spatial import Array, Pose, cross
 
 SAME_LINE = 2e-5
 """Distance [m] up to which axes are equal: twice the tolerance of coaxial faces."""
@@ -33,6 +33,10 @@ class Axis(Struct, frozen=True, eq=False):
             both = self.direction is None and other.direction is None
             return both and float(np.linalg.norm(self.point - other.point)) < distance
         return self.is_along(other.direction) and self.distance(other.point) < distance
+
+    def moved(self, X: Pose) -> "Axis":
+        """The axis after a motion."""
+        return Axis(X.apply(self.point), None if self.direction is None else X.turn(self.direction))
 
     def is_along(self, direction: Array, angle: float = PARALLEL) -> bool:
         """Whether a unit direction is parallel to the axis."""

@@ -29,6 +29,8 @@ _DECIMALS = 9
 """Decimals [m] of where faces begin and end along turned axes: those below are rounding, and differ by processor."""
 _HEAVIEST, _EVEN = 64, 1e-3
 """Faces whose directions may be those of a part's own axes, at most; sine up to which directions are equal."""
+_MOST_BOUNDED = 5_000
+"""Bounds along directions that are kept, of definitions: they take some memory."""
 _FILLED = 0.5
 """Share of its box from which a plane fills it."""
 
@@ -111,12 +113,12 @@ class Scene:
         self.parts = tuple(c.index for c in assembly.components if c.body >= 0)
         self._drawn: dict[int, _Drawn] = {}
         self._known: dict[tuple[int, Callable[[Body], Any]], Any] = {}
+        self._whole: dict[Callable[[Scene], Any], Any] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
+        self._bounded: dict[tuple[int, bytes], tuple[Array, Array]] = {}
         self._gaps: dict[bytes, float] = {}
-        self._extents: dict[int, Array] = {}
         self._last: tuple[int, ...] = ()
         self._along: dict[bytes, Array] = {}
-        self._faces: dict[FaceKind, list[PlacedFace]] = {}
         placed = [assembly.components[part] for part in self.parts]
         self._row = {part: row for row, part in enumerate(self.parts)}
         self._bodies = np.array([c.body for c in placed], dtype=np.int64)
@@ -138,15 +140,23 @@ class Scene:
             self._known[key] = find(self.body(part))
         return cast(T, self._known[key])
 
+    def of_all(self, find: Callable[["Scene"], T]) -> T:
+        """What a function finds of all parts, once."""
+        if find not in self._whole:
+            self._whole[find] = find(self)
+        return cast(T, self._whole[find])
+
     def faces(self, kind: FaceKind) -> list[PlacedFace]:
         """All faces of a kind, in file order."""
-        if kind not in self._faces:
-            self._faces[kind] = [placed for part in self.parts for placed in self.faces_of(part, kind)]
-        return self._faces[kind]
+        return [placed for part in self.parts for placed in self.faces_of(part, kind)]
 
     def faces_of(self, part: int, kind: FaceKind) -> list[PlacedFace]:
         """The faces of a kind of a part."""
         return [PlacedFace(part, *row) for row in zip(*self.columns(part, kind), strict=True)]
+
+    def count(self, part: int, kind: FaceKind) -> int:
+        """The number of faces of a kind of a part."""
+        return len(self._drawn_faces(part).rows.get(kind, ()))
 
     def columns(self, part: int, kind: FaceKind) -> Columns:
         """The faces of a kind of a part, as arrays."""
@@ -179,8 +189,7 @@ class Scene:
         Boxes along the axes of the assembly are wide around faces of a limb that is drawn turned, so those along the
         axes of the first and of the other part count, too. It is found once for equal parts that are placed alike.
         """
-        turned = np.rint(self.component(other).X_WC.R / _EQUAL_POSE).astype(np.int64).tobytes()
-        key = turned + self.arrangement(other, members)
+        key = b"".join(key for _, key in self.shifted([(other, i) for i in members]))
         if key not in self._gaps:
             self._gaps[key] = self._least_gap(members, other)
         return self._gaps[key]
@@ -203,7 +212,7 @@ class Scene:
         """Boxes (n, 2, 3) [m] of the faces of a part along turned axes; of the edges of a plane with little in it."""
         X, (is_hollow, starts, ends) = self.component(part).X_WC, self.of_definition(part, _hollow_faces)
         D = X.R.T @ R
-        low, high = self._drawn_faces(part).bounds(D)
+        low, high = self._bounds(part, D)
         one, two = starts @ D, ends @ D
         lows = np.concatenate([low[~is_hollow], np.minimum(one, two)])
         highs = np.concatenate([high[~is_hollow], np.maximum(one, two)])
@@ -217,16 +226,13 @@ class Scene:
     def _ends(self, part: int, directions: Array) -> tuple[Array, Array]:
         """Where a part begins and ends (n,) [m] along directions (3, n)."""
         X = self.component(part).X_WC
-        low, high = self._drawn_faces(part).bounds(X.R.T @ directions)
+        low, high = self._bounds(part, X.R.T @ directions)
         return low.min(axis=0) + X.p @ directions, high.max(axis=0) + X.p @ directions
 
     def extent(self, part: int) -> Array:
         """Size (3,) [m] of a part's bounding box along its own axes."""
-        body = self.component(part).body
-        if body not in self._extents:
-            low, high = self._drawn_faces(part).bounds(self.of_definition(part, own_axes))
-            self._extents[body] = np.asarray(high.max(axis=0) - low.min(axis=0)) if len(low) else np.zeros(3)
-        return self._extents[body]
+        low, high = self._bounds(part, self.of_definition(part, own_axes))
+        return np.asarray(high.max(axis=0) - low.min(axis=0)) if len(low) else np.zeros(3)
 
     def size_of(self, parts: Sequence[int], along: int) -> float:
         """Diagonal [m] of the bounding box of parts along the own axes of one of them."""
@@ -250,6 +256,16 @@ class Scene:
             keys = np.column_stack([self._bodies[one], self._bodies[two], steps])
             yield from ((pair, key.tobytes()) for pair, key in zip(some, keys, strict=True))
 
+    def shift(self, one: int, other: int) -> Array:
+        """From the origin of one part to that of another (3,) [m]."""
+        return np.asarray(self._moved[self._row[other]] - self._moved[self._row[one]])
+
+    def shifted(self, pairs: Sequence[tuple[int, int]]) -> Iterator[tuple[tuple[int, int], bytes]]:
+        """:meth:`arranged`, with keys that differ for pairs which are turned in the assembly."""
+        for (one, other), key in self.arranged(pairs):
+            turned = np.rint(self._turned[self._row[one]] / _EQUAL_POSE).astype(np.int64)
+            yield (one, other), turned.tobytes() + key
+
     def arrangement(self, one: int, others: Sequence[int]) -> bytes:
         """A key that is equal for equal definitions at equal poses relative to one of them."""
         return b"".join(key for _, key in self.arranged([(one, other) for other in others]))
@@ -259,11 +275,20 @@ class Scene:
         X = self.component(part).X_WC
         return [X.apply(ring) for ring in plane.rings]
 
+    def _bounds(self, part: int, directions: Array) -> tuple[Array, Array]:
+        """:meth:`_Drawn.bounds` of a part, once for parts that are turned alike."""
+        key = self.component(part).body, directions.tobytes()
+        if key not in self._bounded:
+            if len(self._bounded) >= _MOST_BOUNDED:
+                self._bounded.clear()
+            self._bounded[key] = self._drawn_faces(part).bounds(directions)
+        return self._bounded[key]
+
     def _corners(self, part: int) -> tuple[Array, Array]:
         """Lowest and highest corners (n, 3) [m] of the faces of a part in the assembly."""
         if part not in self._corners_of:
-            drawn, X = self._drawn_faces(part), self.component(part).X_WC
-            low, high = drawn.bounds(X.R.T)
+            X = self.component(part).X_WC
+            low, high = self._bounds(part, X.R.T)
             self._corners_of[part] = low + X.p, high + X.p
         return self._corners_of[part]
 

@@ -44,6 +44,8 @@ _SLACK_ANGLE, _SLACK = 0.05, 1e-3
 """Differences [rad] and [m] up to which a meeting at an edge is that of the face."""
 _NARROW_ANGLE, _NARROW = 0.45, 2e-3
 """Ranges [rad] and [m] between stops, below which the sides of a joint may belong together."""
+_DECIMALS = 9
+"""Decimals [m] up to which points are compared."""
 _MOST = 4_000_000
 """Points times triangles that are tried for all joints together."""
 
@@ -73,6 +75,19 @@ class Question(Struct, frozen=True, eq=False):
     moving: tuple[Shape, ...]
     """Parts of the child link."""
 
+    @property
+    def parts(self) -> list[int]:
+        """Of either link."""
+        return [shape.part for shape in (*self.still, *self.moving)]
+
+    @property
+    def key(self) -> bytes:
+        """Equal for joints with equal parts that are placed likewise about them."""
+        arrays = [np.round(shape.vertices - self.point, _DECIMALS) for shape in (*self.still, *self.moving)]
+        counts = np.array([self.slides, len(self.still), *map(len, arrays)])
+        faces = [shape.faces for shape in (*self.still, *self.moving)]
+        return b"".join(one.tobytes() for one in (counts, np.round(self.direction, _DECIMALS), *arrays, *faces))
+
 
 class Stop(Struct, frozen=True):
     """A position from the drawn one at which two parts meet."""
@@ -95,10 +110,18 @@ class Stops(Struct, frozen=True):
 def find_stops(questions: Sequence[Question]) -> tuple[Stops, ...]:
     """For each joint the first stop in either direction, where one is found.
 
-    The work is bounded: each joint has its share of a fixed number of pairs of points and triangles.
+    Joints with equal parts that are placed likewise about them are one. The work is bounded: each has its share of a
+    fixed number of pairs of points and triangles.
     """
-    share = _MOST // max(1, 2 * len(questions))
-    return tuple(_stops(question, share) for question in questions)
+    keys = [question.key for question in questions]
+    firsts = dict(reversed([*zip(keys, questions, strict=True)]))
+    known = {key: _stops(first, _MOST // (2 * len(firsts))) for key, first in firsts.items()}
+    answers = []
+    for key, question in zip(keys, questions, strict=True):
+        part = dict(zip(firsts[key].parts, question.parts, strict=True))
+        stops = (Stop(stop.position, part[stop.still], part[stop.moving]) for stop in known[key].stops)
+        answers.append(Stops(tuple(stops), known[key].skipped))
+    return tuple(answers)
 
 
 def _stops(question: Question, share: int) -> Stops:
