@@ -62,6 +62,7 @@ from .timing import CommandFailed, timed
 
 _PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
 _DEFAULT_SHAPE = re.compile(r",? *collision: \w+")
+_CONTACT = re.compile(r"^    contact: .*\n", re.MULTILINE)
 _LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.-]+|\"[^\"]+\"):", re.MULTILINE)
 GATED = tuple(
     ROOT / "robot_library" / folder / f"{name}.robot.yaml"
@@ -363,8 +364,8 @@ def drafted(step: Path, folder: Path) -> Path:
 
 
 def with_collision(sidecar: Path, shape: str, folder: Path) -> Path:
-    """A copy of a sidecar whose shapes are all derived as ``shape``."""
-    text = sidecar.read_text(encoding="utf-8")
+    """A copy of a sidecar with all shapes derived as ``shape``; no contact properties, which earlier versions lack."""
+    text = _CONTACT.sub("", sidecar.read_text(encoding="utf-8"))
     named = NAMED.search(text)
     assert named is not None
     text = NAMED.sub(f"step: {json.dumps(str((sidecar.parent / named[1].strip()).resolve()))}", text)
