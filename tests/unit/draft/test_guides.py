@@ -121,21 +121,42 @@ def test_lever_on_the_pins_of_two_others_does_not_slide() -> None:
     assert {"left pin", "left cheek 0", "left cheek 1"} in links(found)
 
 
-def test_cross_is_a_universal_joint() -> None:
-    """A small block with two pins at a right angle, each in a fork, is the cross between them."""
-    cross = turned(cylinder(3, 80), -40, 0, 0, ALONG_X) + turned(cylinder(3, 80), 0, 40, 0, ALONG_Y)
+def forks(radius: float) -> tuple[Solid, Solid]:
+    """Two forks around a cross, with a bore in each of their cheeks."""
     lower, upper = box(90, 40, 20).at(0, 0, -90), box(40, 90, 20).at(0, 0, 90)
     for sign in (-1, 1):
         lower = lower + box(10, 40, 100).at(sign * 35, 0, -30)
         upper = upper + box(40, 10, 100).at(0, sign * 35, 30)
-    lower = lower - turned(cylinder(3.02, 10), -40, 0, 0, ALONG_X) - turned(cylinder(3.02, 10), 30, 0, 0, ALONG_X)
-    upper = upper - turned(cylinder(3.02, 10), 0, 40, 0, ALONG_Y) - turned(cylinder(3.02, 10), 0, -30, 0, ALONG_Y)
-    found = inferred(group("in", part("fork", lower)), group("out", part("fork", upper)), part("cross", cross))
+    lower = lower - turned(cylinder(radius, 10), -40, 0, 0, ALONG_X) - turned(cylinder(radius, 10), 30, 0, 0, ALONG_X)
+    upper = upper - turned(cylinder(radius, 10), 0, 40, 0, ALONG_Y) - turned(cylinder(radius, 10), 0, -30, 0, ALONG_Y)
+    return lower, upper
+
+
+CROSS = turned(cylinder(3, 80), -40, 0, 0, ALONG_X) + turned(cylinder(3, 80), 0, 40, 0, ALONG_Y)
+
+
+def test_cross_is_a_universal_joint() -> None:
+    """A small block with two pins at a right angle, each in a fork, is the cross between them."""
+    lower, upper = forks(3.02)
+    found = inferred(group("in", part("fork", lower)), group("out", part("fork", upper)), part("cross", CROSS))
     (arc,) = found.arcs
     assert arc.evidence.type == JointKind.UNIVERSAL
     assert arc.evidence.axis.point == pytest.approx((0, 0, 0), abs=1e-9)
     assert arc.evidence.axis2 is not None
     assert abs(arc.evidence.axis.d @ arc.evidence.axis2.d) < 1e-9
+
+
+@pytest.mark.parametrize("pin", [3.0, 2.99])
+def test_cross_in_bushes_turns_in_both_forks(pin: float) -> None:
+    """Its pins are in bushes, exactly or with play, and these in the forks: two hinges, and each bush with its fork."""
+    lower, upper = forks(5)
+    cross = turned(cylinder(pin, 80), -40, 0, 0, ALONG_X) + turned(cylinder(pin, 80), 0, 40, 0, ALONG_Y)
+    bush = cylinder(5, 10) - cylinder(3, 10)
+    places = ((-40, 0, ALONG_X), (30, 0, ALONG_X), (0, 40, ALONG_Y), (0, -30, ALONG_Y))
+    bushes = [part(f"bush {n}", bush, x, y, 0, rpy) for n, (x, y, rpy) in enumerate(places)]
+    found = inferred(part("lower", lower), part("upper", upper), part("cross", cross), *bushes, sources=BARE)
+    assert joints(found) == [("revolute", "cross", "lower"), ("revolute", "cross", "upper")]
+    assert sorted(map(len, links(found))) == [1, 3, 3]
 
 
 def test_faces_of_one_side_hold_nothing() -> None:

@@ -329,16 +329,20 @@ def screw_evidence(survey: Survey, evidence: Evidence) -> None:
 
 
 def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> None:
-    """A small part that turns in two others about axes that intersect at a right angle is a universal joint's cross."""
-    pins: dict[int, list[Relation]] = {}
+    """A small part that turns in two others about axes that intersect at a right angle is a universal joint's cross.
+
+    With pins of its own in bushes it is a link, which turns in both.
+    """
+    pins: dict[int, dict[Relation, int]] = {}
     for (a, b), r in survey.pairs():
         if r.via == Via.PIN:
-            pins.setdefault(a, []).append(r)
-            pins.setdefault(b, []).append(r)
-    for i, relations in pins.items():
-        for r, s in combinations(relations, 2):
+            for i in (a, b):
+                pins.setdefault(i, {})[r] = _fork(survey, i, r)
+    for i, forks in pins.items():
+        bushed: dict[Relation, None] = {}
+        for r, s in combinations(forks, 2):
             centre = _crossing(r, s)
-            one, two = r.other(i), s.other(i)
+            one, two = forks[r], forks[s]
             if centre is None or one == two:
                 continue
             sides = min(survey.parts[one].volume, survey.parts[two].volume)
@@ -346,6 +350,10 @@ def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> 
                 continue
             if float(np.linalg.norm(survey.parts[i].com - centre)) > _CENTRED * survey.parts[i].size:
                 continue  # a link of a wrist
+            if {one, two} != {r.other(i), s.other(i)}:
+                if all(fit.shaft == i for fit in (*r.shafts, *s.shafts)):
+                    bushed |= {r: None, s: None}
+                continue
             # The cross goes with the side of its subassembly.
             moving, still = (r, s) if structure.are_together(i, two) else (s, r)
             assert moving.axis is not None
@@ -355,6 +363,23 @@ def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> 
             why = "a cross with two axes at a right angle"
             evidence.joint(JointEvidence(0.86, a, b, JointKind.UNIVERSAL, axes[0], why, moving, axes[1]))
             evidence.weld(0.87, i, still.other(i), "cross of a universal joint")
+        for r in bushed:
+            assert r.axis is not None
+            evidence.joint(JointEvidence(0.86, r.a, r.b, JointKind.REVOLUTE, r.axis, "a pin of a cross in its bush", r))
+            if forks[r] != r.other(i):
+                evidence.weld(0.87, r.other(i), forks[r], "a bush in its fork")
+
+
+def _fork(survey: Survey, part: int, pin: Relation) -> int:
+    """What a part has a pin in: another one, or that which alone is around this one, if it is a bush."""
+    bush = pin.other(part)
+    assert pin.axis is not None
+    around = [
+        other
+        for other, s in survey.around(bush)
+        if s.turns is not None and s.turns.same(pin.axis) and any(fit.shaft == bush for fit in s.shafts)
+    ]
+    return around[0] if len(around) == 1 and survey.parts[bush].is_balanced(pin.axis) else bush
 
 
 def _crossing(r: Relation, s: Relation) -> np.ndarray | None:
