@@ -8,6 +8,9 @@ from typing import TypedDict
 
 from stepbot.runtime.file import read_regular
 
+_DEEPEST = 6
+"""Folders above a module in which lists are looked for."""
+
 
 class Provider(TypedDict):
     """Name and version of a distribution, as fields of an observation."""
@@ -20,16 +23,18 @@ class Provider(TypedDict):
 def provider(module: str) -> Provider:
     """The distribution that an installed top-level module comes from.
 
-    Reads the lists of installed files in the module's folder, 0.05 s; `importlib.metadata.packages_distributions`
+    Reads the lists of installed files in the folder of the module or above, 0.05 s. `packages_distributions` of Python
     takes a second, and is asked only if no list has the module. Without any answer, as for a module that was compiled
     in place, the version is "unknown".
     """
     spec = find_spec(module)
     if spec is not None and spec.origin is not None:
         file = Path(spec.origin)
-        listed = _listing(file.parents[bool(spec.submodule_search_locations)], file)
-        if listed:
-            return min(listed, key=lambda one: one["distribution"] != module)
+        # Some wheels have their modules in a prefix below the folder of all packages.
+        for site in [*file.parents][bool(spec.submodule_search_locations) : _DEEPEST]:
+            listed = _listing(site, file)
+            if listed:
+                return min(listed, key=lambda one: one["distribution"] != module)
     names = metadata.packages_distributions().get(module)
     if not names:
         return Provider(distribution=module, version="unknown")

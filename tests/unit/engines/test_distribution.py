@@ -20,7 +20,7 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
 
     def write(distribution: str, file: str, size: int | None = None) -> Path:
         module = tmp_path / file
-        module.parent.mkdir(exist_ok=True)
+        module.parent.mkdir(parents=True, exist_ok=True)
         module.write_text("x = 1\n", encoding="utf-8")
         folder = tmp_path / f"{distribution}.dist-info"
         folder.mkdir()
@@ -52,6 +52,14 @@ def test_package_is_listed_from_its_parent(install: Install) -> None:
     """A package is listed with its folder."""
     install("engine_core-4.0.0", "engine_of_test/__init__.py")
     assert provider("engine_of_test") == {"distribution": "engine-core", "version": "4.0.0"}
+
+
+def test_package_in_a_prefix_is_listed_above(install: Install, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Wheels that bring a tree of their own have it in a folder beside their list; Python is not asked."""
+    install("engine_tree-4.1.0", "prefix/lib/engine_of_test/__init__.py")
+    monkeypatch.syspath_prepend(tmp_path / "prefix" / "lib")
+    monkeypatch.setattr(metadata, "packages_distributions", None)
+    assert provider("engine_of_test") == {"distribution": "engine-tree", "version": "4.1.0"}
 
 
 def test_without_a_list_the_metadata_answer(install: Install) -> None:

@@ -59,7 +59,7 @@ def test_links_that_mujoco_cannot_have(tmp_path: Path) -> None:
     with pytest.raises(EngineRefused, match=r"1e-14 kg m\^2\nhelp: check the length unit .* leave out MJCF"):
         engine_of("mujoco").observer.observe(Request(str(path), "mjcf"))
     verify_files([path], diagnostics := Diagnostics())
-    assert [one.help[0][:21] for one in diagnostics if one.code == "SB801"] == ["check the length unit"]
+    assert "check the length unit" in [one.help[0][:21] for one in diagnostics if one.code == "SB801"]
 
     small = _BODY.replace('"1"', '"1e-15"').replace('mass value="1e-15"', 'mass value="1e-9"')
     joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'

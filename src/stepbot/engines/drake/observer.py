@@ -220,11 +220,13 @@ def bounds_of(built: BuiltPlant, geometry: Any) -> Bounds | None:
     if file is not None and file.suffix.lower() not in _MEASURED:
         vertices = vertices_of(file)
         return None if vertices is None else mesh_bounds(np.array(shape.scale3()) * vertices, X_LG)
-    hull = inspector.GetConvexHull(geometry)  # of meshes only
-    if hull is not None:
-        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
-        return mesh_bounds(vertices, X_LG)
-    return _primitive_bounds(shape, X_LG)
+    key = (geometry,) if file is None else (file, *np.ravel(shape.scale3()).tolist())
+    if key not in built.hulls:
+        hull = inspector.GetConvexHull(geometry)  # of meshes only; that of a visual is computed on each request
+        if hull is None:
+            return _primitive_bounds(shape, X_LG)
+        built.hulls[key] = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+    return mesh_bounds(built.hulls[key], X_LG)
 
 
 def observed_shape(built: BuiltPlant, geometry: Any, *, seen: bool) -> ObservedShape:

@@ -56,6 +56,11 @@ class BuiltPlant(Struct, frozen=True, eq=False, dict=True):
         return frozenset(map(str, xml_root(Path(self.request.file)).xpath("//@name")))
 
     @cached_property
+    def hulls(self) -> dict[tuple[Any, ...], Array]:
+        """Corners (n, 3) [m] of the hulls that were asked for, by mesh file and scale or by geometry."""
+        return {}
+
+    @cached_property
     def bodies(self) -> list[Any]:
         """The links: every body but the world."""
         from pydrake.multibody.tree import BodyIndex
