@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, join_bounds
+from stepbot.geometry.spatial import IDENTITY, Array, Matrix3, Pose, Vector3, join_bounds, vector3
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Rgba
 
@@ -228,6 +228,11 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
         return tuple(tuple(indices) for indices in below)
 
     @cached_property
+    def index_of(self) -> dict[str, int]:
+        """The index of the component at each path."""
+        return {component.path: component.index for component in reversed(self.components)}
+
+    @cached_property
     def first_of_body(self) -> dict[int, int]:
         """For each body the index of its first component."""
         return {body: indices[0] for body, indices in self.occurrences.items()}
@@ -259,10 +264,15 @@ class Assembly(Struct, frozen=True, eq=False, dict=True):
     def bounds(self, index: int) -> tuple[Vector3, Vector3] | None:
         """Lowest and highest corner [m] of a component and everything below it, along the axes of the assembly."""
         boxes = []
+        turned: dict[tuple[int, Matrix3], Array] = {}  # one box for all bodies that are turned alike
         for i in self.subtree(index):
-            component = self.components[i]
-            if component.body >= 0 and len(self.bodies[component.body].mesh.vertices):
-                boxes.append(self.bodies[component.body].mesh.moved(component.X_WC).bounds)
+            body, X_WC = self.components[i].body, self.components[i].X_WC
+            if body >= 0 and len(self.bodies[body].mesh.vertices):
+                key = body, X_WC.rotation
+                if key not in turned:
+                    turned[key] = np.array(self.bodies[body].mesh.moved(Pose(X_WC.rotation)).bounds)
+                low, high = (turned[key] + X_WC.p).tolist()
+                boxes.append((vector3(low), vector3(high)))
         return join_bounds(boxes) if boxes else None
 
 

@@ -17,7 +17,7 @@ _EXACT = 7e-4
 
 def models(assembly: Assembly, path: str) -> Models | None:
     """The motors that the component at a path may be; None if neither its name nor its box is one's."""
-    index = next((c.index for c in assembly.components if c.path == path), 0)
+    index = assembly.index_of.get(path, 0)
     edges = extents(assembly, index)
     box = f"its box is {millimetres(edges)}" if len(edges) else "it has no box"
     for i in assembly.subtree(index) if index else ():

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stepbot.draft.parts.parts import least_gap
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array, cross, unit
+from stepbot.geometry.spatial import Array, Matrix3, cross, unit
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.faces import Face, FaceKind
 
@@ -29,8 +29,8 @@ _DECIMALS = 9
 """Decimals [m] of where faces begin and end along turned axes: those below are rounding, and differ by processor."""
 _HEAVIEST, _EVEN = 64, 1e-3
 """Faces whose directions may be those of a part's own axes, at most; sine up to which directions are equal."""
-_MOST_BOUNDED = 5_000
-"""Bounds along directions that are kept, of definitions: they take some memory."""
+_MOST_KEPT = 5_000
+"""Definitions along directions whose bounds and faces are kept: they take some memory."""
 _FILLED = 0.5
 """Share of its box from which a plane fills it."""
 
@@ -116,6 +116,7 @@ class Scene:
         self._whole: dict[Callable[[Scene], Any], Any] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
         self._bounded: dict[tuple[int, bytes], tuple[Array, Array]] = {}
+        self._columns: dict[tuple[int, FaceKind, Matrix3], Columns] = {}
         self._gaps: dict[bytes, float] = {}
         self._last: tuple[int, ...] = ()
         self._along: dict[bytes, Array] = {}
@@ -160,14 +161,17 @@ class Scene:
 
     def columns(self, part: int, kind: FaceKind) -> Columns:
         """The faces of a kind of a part, as arrays."""
-        drawn, X, faces = self._drawn_faces(part), self.component(part).X_WC, self.body(part).faces
-        rows = drawn.rows.get(kind)
-        if rows is None:
-            nothing = np.zeros((0, 3))
-            return Columns((), nothing, nothing, nothing, nothing)
-        low, high = self._corners(part)
-        chosen = tuple(faces[row] for row in rows.tolist())
-        return Columns(chosen, X.apply(drawn.points[rows]), X.turn(drawn.directions[rows]), low[rows], high[rows])
+        X, drawn = self.component(part).X_WC, self._drawn_faces(part)
+        key = self.component(part).body, kind, X.rotation
+        if key not in self._columns:
+            if len(self._columns) >= _MOST_KEPT:
+                self._columns.clear()
+            rows, faces = drawn.rows.get(kind, np.zeros(0, dtype=np.intp)), self.body(part).faces
+            low, high = self._bounds(part, X.R.T)
+            turned = X.turn(drawn.points[rows]), X.turn(drawn.directions[rows])
+            self._columns[key] = Columns(tuple(faces[row] for row in rows.tolist()), *turned, low[rows], high[rows])
+        one = self._columns[key]
+        return Columns(one.faces, one.points + X.p, one.directions, one.low + X.p, one.high + X.p)
 
     @cached_property
     def boxes(self) -> dict[int, Array]:
@@ -279,7 +283,7 @@ class Scene:
         """:meth:`_Drawn.bounds` of a part, once for parts that are turned alike."""
         key = self.component(part).body, directions.tobytes()
         if key not in self._bounded:
-            if len(self._bounded) >= _MOST_BOUNDED:
+            if len(self._bounded) >= _MOST_KEPT:
                 self._bounded.clear()
             self._bounded[key] = self._drawn_faces(part).bounds(directions)
         return self._bounded[key]
