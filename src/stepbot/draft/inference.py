@@ -16,7 +16,7 @@ from stepbot.draft.evidence.gears import belt_evidence, gear_evidence, mark_gear
 from stepbot.draft.evidence.guides import captured_evidence, cross_evidence, guide_evidence, screw_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
-from stepbot.draft.evidence.motors import Motor, find_motors
+from stepbot.draft.evidence.motors import Motor, actuator_evidence, find_motors
 from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
 from stepbot.draft.evidence.pivots import knuckle_evidence
 from stepbot.draft.evidence.repetition import repeated_joints
@@ -107,6 +107,7 @@ def _infer(
     evidence = Evidence()
     fact_evidence(survey, facts, evidence)
     motor_evidence(survey, motors, evidence)
+    actuator_evidence(survey, evidence)
     knuckle_evidence(survey, evidence)
     wheel_evidence(survey, motors, evidence)
     linkage_evidence(survey, motors, evidence)

@@ -272,3 +272,36 @@ def test_a_plate_that_screws_hold_does_not_slide_on_them() -> None:
         screws.append(part(f"c{x}", cylinder(2, 25) + cylinder(3.5, 4).at(0, 0, 25), x, 0, -14))
     nodes = [part("ring", ring, z=-14), part("table", table), part("block", block, z=15)]
     assert not joints(inferred(*nodes, *screws, sources=BARE))
+
+
+def channel_and_block(play: float, *others: Node) -> Survey:
+    """A block on a pin of an arm, in a channel of the base that is open towards the arm."""
+    channel = box(300, 40, 60) - box(300, 25, 40).at(0, 7.5, 0)
+    block = box(40, 20, 40 - 2 * play).at(0, 7.5, 0) - turned(cylinder(6.02, 20), 0, 17.5, 0, ALONG_Y)
+    arm = box(20, 8, 200).at(0, 26, 80) - turned(cylinder(6, 8), 0, 30, 0, ALONG_Y)
+    pin = turned(cylinder(6, 32), 0, 30, 0, ALONG_Y)
+    nodes = part("base", channel), part("block", block), part("arm", arm), part("pin", pin)
+    return Survey(assembled(*nodes, *others), ALL_SOURCES)
+
+
+def test_block_on_a_pin_slides_in_its_channel() -> None:
+    """With play between two faces along its pin; not without, and not if something beside the pin holds it."""
+    slide = channel_and_block(0.1).captured[1, 2]
+    assert slide.axis.is_along(np.array([1.0, 0.0, 0.0]))
+    assert slide.has_play
+    assert (1, 2) not in channel_and_block(0.0).captured
+    assert (1, 2) not in channel_and_block(0.1, part("lug", box(10, 10, 10).at(25, 7.5, 0))).captured
+
+
+def test_bodies_of_a_linear_actuator_are_one_case_and_its_piston_slides() -> None:
+    """Also where the rod is as thick as the bore of the head: motor and head go with the tube."""
+    tube = cylinder(19, 200) - cylinder(15, 180).at(0, 0, 20)
+    rod = cylinder(14.8, 12).at(0, 0, 60) + cylinder(10, 200).at(0, 0, 72)
+    head = cylinder(15, 8).at(0, 0, 192) + cylinder(19, 12).at(0, 0, 200) - cylinder(10, 20).at(0, 0, 192)
+    bodies = part("actuator tube", tube), part("actuator motor", cylinder(19, 60).at(0, 0, -60)), part("rod", rod)
+    found = inferred(group("linear actuator", *bodies, part("actuator head", head)))
+    (case,) = (names for names in links(found) if "linear actuator/actuator tube" in names)
+    assert case == {f"linear actuator/actuator {name}" for name in ("tube", "motor", "head")}
+    (arc,) = found.arcs
+    assert arc.evidence.type == JointKind.PRISMATIC
+    assert arc.evidence.review

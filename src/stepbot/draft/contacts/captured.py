@@ -64,7 +64,7 @@ def find_captured(
     slides: dict[bytes, tuple[bool, Captured | None]] = {}  # in the frame of a part, and whether faces are beside it
     alone: set[tuple[int, bytes]] = set()  # of parts with their pads: those that are no slide
     planes, inside = scene.of_all(Planes), frozenset(larger)
-    bolted, pads = _bolted(relations, inside), _pads(scene, relations, inside)
+    bolted, pads, pins = _bolted(relations, inside), _pads(scene, relations, inside), _pins(relations, inside)
     for pair, arrangement in _overlapping(scene, larger, cut):
         for one, host in _within(scene, pair, bolted):
             placed = arrangement if len(host) == 1 else scene.arrangement(one, host)
@@ -81,7 +81,9 @@ def find_captured(
                     break
             if len(host) == 1 and not is_beside:
                 break  # nothing is beside: what is bolted on makes no slot of it
-        if pair not in captured and pair not in relations:
+        if pair not in captured and pair not in relations and (slide := _on_pin(planes, pair, pins)) is not None:
+            captured[pair] = slide
+        elif pair not in captured and pair not in relations:
             lined, sides = _lined(scene, pair, pads)
             if len(lined) + len(sides) <= _FEWEST_LINED:
                 continue
@@ -94,6 +96,33 @@ def find_captured(
             else:
                 alone.add(padded)
     return captured
+
+
+def _pins(relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, Axis]:
+    """The axis of the pin of each part that nothing but a pin holds."""
+    held: dict[int, list[Relation]] = defaultdict(list)
+    for pair, r in relations.items():
+        for i in pair:
+            held[i].append(r)
+    axes = {i: [r.axis for r in of if r.via == Via.PIN and r.axis is not None] for i, of in held.items() if i in larger}
+    return {i: of[0] for i, of in axes.items() if len(of) == len(held[i]) and all(one.same(of[0]) for one in of)}
+
+
+def _on_pin(planes: Planes, pair: Pair, pins: Mapping[int, Axis]) -> Captured | None:
+    """How a block that nothing but a pin holds slides, with play, between two faces along the pin, as in a channel."""
+    for one, other in (pair, pair[::-1]):
+        pin = pins.get(one)
+        near = list(planes.facing(one, other, _WIDE)) if pin is not None and other not in pins else []
+        guides = [
+            face for face in near if pin and abs(float(face.normal @ pin.d)) < _STRAIGHT and face.gap < _CLEARANCE
+        ]
+        if pin is None or len(_distinct([guide.normal for guide in guides])) != 1 or not _is_between(guides):
+            continue
+        along = cross(guides[0].normal, pin.d)
+        is_stopped = any(abs(float(face.normal @ along)) > _ALONG for face in near)
+        if not is_stopped and max(guide.gap for guide in guides) > GAP:
+            return Captured(Axis(guides[0].patch.point, along), has_play=True, is_profile=False)
+    return None
 
 
 def _pads(scene: Scene, relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, list[int]]:

@@ -3,6 +3,7 @@
 import re
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 from msgspec import Struct
@@ -11,6 +12,7 @@ from stepbot.draft.contacts.relations import Relation, Via, is_even
 from stepbot.draft.contacts.roles import spoken_names
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Apart, Evidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
@@ -80,15 +82,28 @@ class Motor(Struct, frozen=True, eq=False):
 
 def find_motors(survey: Survey) -> list[Motor]:
     """All motors; by use only if no name and no flange indicates one."""
-    by_name = [m for m in _named_motors(survey) if not _has_piston(survey, m)] if survey.sources.names else []
+    by_name = [m for m in _named_motors(survey) if not _pistons(survey, m)] if survey.sources.names else []
     known = {i for motor in by_name for i in motor.parts}
     by_size = [motor for motor in _motors_by_size(survey) if known.isdisjoint(motor.parts)]
     return [*by_name, *by_size] or _motors_by_use(survey)
 
 
-def _has_piston(survey: Survey, motor: Motor) -> bool:
-    """Whether a part of a motor has room to travel in another one: it is a linear actuator, whose output slides."""
-    return any(r.is_piston and r.other(i) in motor.parts for i in motor.parts for r in survey.near.get(i, ()))
+def _pistons(survey: Survey, motor: Motor) -> set[int]:
+    """The parts of a motor with room to travel in another one: it is a linear actuator, whose output slides."""
+    inside = [r for i in motor.parts for r in survey.near.get(i, ()) if r.is_piston and r.other(i) in motor.parts]
+    return {fit.shaft for r in inside for fit in r.shafts}
+
+
+def actuator_evidence(survey: Survey, evidence: Evidence) -> None:
+    """Bodies of a linear actuator that are named a motor and touch are one case; its pistons are apart from them."""
+    for motor in _named_motors(survey) if survey.sources.names else ():
+        pistons = _pistons(survey, motor)
+        named = [i for i in motor.parts if i in pistons or Role.MOTOR in survey.parts[i].roles] if pistons else []
+        for a, b in combinations(sorted(named), 2):
+            if pistons & {a, b}:
+                evidence.apart.append(Apart(0.95, a, b))
+            elif survey.relation(a, b) is not None:
+                evidence.weld(0.95, a, b, "bodies of a linear actuator")
 
 
 def _named_motors(survey: Survey) -> list[Motor]:
@@ -113,18 +128,12 @@ def _named_motors(survey: Survey) -> list[Motor]:
     for c, members in _reunited(survey, cases, shafts):
         if survey.total_volume(members) < _WIRE:
             continue
-        still = [parts[i] for i in members if not {Role.WHEEL, Role.HORN} & {*parts[i].roles}]
-        case = largest(still or [parts[i] for i in members]).index
+        turned = {i for i in members if {Role.WHEEL, Role.HORN} & {*parts[i].roles}}
+        case = largest([parts[i] for i in members if i not in turned] or [parts[i] for i in members]).index
         if _is_bracket(survey, case, members) or (len(members) == 1 and not _is_block(survey, case)):
             continue
-        pieces = [i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))]
-        outputs = tuple(
-            i
-            for i in members
-            if i != case
-            and (i in pieces or {Role.HORN, Role.WHEEL} & {*parts[i].roles})
-            and Role.FASTENER not in parts[i].roles
-        )
+        turned |= {i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))}
+        outputs = tuple(i for i in members if i in turned - {case} and Role.FASTENER not in parts[i].roles)
         motors.append(Motor(c.path, members, case, outputs))
     return motors
 
