@@ -19,6 +19,7 @@ from ruamel.yaml import YAML
 from stepbot.draft import inference
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer
+from stepbot.draft.evidence import rules
 from stepbot.step.assembly import Assembly
 from stepbot_cli.init import draft_document
 
@@ -105,9 +106,10 @@ def show_perturbed(of: Cases) -> None:
 
 def ablated() -> Iterator[tuple[str, Any]]:
     """For each function of evidence, its name and the change that leaves it out."""
-    for name in vars(inference):
-        if name.endswith("_evidence") and name != "fact_evidence":
-            yield name, patch.object(inference, name, _nothing)
+    every = list(rules())
+    for left_out, _ in every:
+        others = [row for row in every if row[0] is not left_out]
+        yield getattr(left_out, "func", left_out).__name__, patch.object(inference, "rules", others.copy)
     yield "repeated_joints", patch.object(inference, "repeated_joints", lambda *_: [])
 
 
@@ -119,10 +121,6 @@ def changed(module: str) -> Iterator[tuple[str, Any]]:
             for factor in _FIFTH:
                 new = type(value)(round(value * factor) if type(value) is int else value * factor)
                 yield f"{name} {value:g} to {new:g}", patch.object(home, name, new)
-
-
-def _nothing(*_: object, **__: object) -> None:
-    """No evidence."""
 
 
 def _components(assembly: Assembly) -> list[dict[str, Any]]:

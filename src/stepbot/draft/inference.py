@@ -1,6 +1,7 @@
 """Infers links, joints and closures from an assembly, to draft a sidecar."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from msgspec import Struct, field
 from msgspec.structs import replace
@@ -9,20 +10,12 @@ from stepbot.draft.answers import NO_FACTS, Facts, fact_evidence
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import CHOSEN
-from stepbot.draft.evidence.bearings import bearing_evidence, ring_evidence
+from stepbot.draft.evidence import rules
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
-from stepbot.draft.evidence.fingers import finger_evidence
-from stepbot.draft.evidence.gears import belt_evidence, gear_evidence, mark_geared
-from stepbot.draft.evidence.guides import captured_evidence, cross_evidence, guide_evidence, screw_evidence
-from stepbot.draft.evidence.linkages import linkage_evidence
-from stepbot.draft.evidence.motor_outputs import motor_evidence
-from stepbot.draft.evidence.motors import Motor, actuator_evidence, find_motors
-from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
-from stepbot.draft.evidence.pivots import knuckle_evidence
+from stepbot.draft.evidence.gears import mark_geared
+from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.evidence.repetition import repeated_joints
-from stepbot.draft.evidence.rollers import rail_evidence, roller_evidence
-from stepbot.draft.evidence.subassemblies import Structure, body_welds
-from stepbot.draft.evidence.wheels import wheel_evidence
+from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
 from stepbot.draft.mechanism.gaps import tie_by_seams
@@ -103,32 +96,14 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> InferredMechanism:
 def _infer(
     survey: Survey, facts: Facts, needed: Mapping[JointKey, str], repeats: Sequence[JointEvidence] = ()
 ) -> InferredMechanism:
-    motors = find_motors(survey)
-    evidence = Evidence()
+    motors, evidence = find_motors(survey), Evidence()
     fact_evidence(survey, facts, evidence)
-    motor_evidence(survey, motors, evidence)
-    actuator_evidence(survey, evidence)
-    knuckle_evidence(survey, evidence)
-    wheel_evidence(survey, motors, evidence)
-    linkage_evidence(survey, motors, evidence)
-    body_welds(survey, [motor.parts for motor in motors], evidence)
-    captured_evidence(survey, motors, evidence, None)
-    structure = Structure(survey, evidence.mechanisms)
-    structure.welds(evidence)
-    PairEvidence(survey, structure, evidence).collect(motors)
-    screwed_evidence(survey, evidence)
-    cross_evidence(survey, structure, evidence)
-    bearing_evidence(survey, evidence)
-    ring_evidence(survey, evidence)
-    guide_evidence(survey, evidence)
-    captured_evidence(survey, motors, evidence, structure)
-    screw_evidence(survey, evidence)
-    finger_evidence(survey, evidence)
-    gear_evidence(survey, evidence)
-    belt_evidence(survey, evidence)
-    roller_evidence(survey, evidence)
-    rail_evidence(survey, evidence)
-    several_axes(structure, evidence)
+    given: dict[str, Any] = {"survey": survey, "motors": motors, "evidence": evidence}
+    for find, names in rules():
+        if "structure" in names and "structure" not in given:
+            given["structure"] = Structure(survey, evidence.mechanisms)
+        find(**{name: given[name] for name in names})
+    structure: Structure = given["structure"]
     for hinge in repeats:
         evidence.joint(replace(hinge))
     promote(evidence, needed)

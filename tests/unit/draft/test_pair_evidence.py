@@ -6,8 +6,8 @@ import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import Evidence
-from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
-from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence
+from stepbot.draft.evidence.subassemblies import Structure, several_axes
 from stepbot.draft.evidence.wheels import wheel_evidence
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, part, turned
 from tests.solids import Solid, box, cylinder

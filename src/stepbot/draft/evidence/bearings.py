@@ -8,6 +8,7 @@ from msgspec import Struct
 from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.pivots import in_holes
 from stepbot.draft.parts.axis import Axis
@@ -46,6 +47,7 @@ class _Seat(Struct, frozen=True, eq=False):
     length: float
 
 
+@rule(110)
 def bearing_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add the evidence of all bearings."""
     for i, part in survey.parts.items():
@@ -53,6 +55,7 @@ def bearing_evidence(survey: Survey, evidence: Evidence) -> None:
             _say(survey, i, evidence)
 
 
+@rule(120)
 def ring_evidence(survey: Survey, evidence: Evidence) -> None:
     """Two rings in each other, of which each is bolted to another part about their axis, turn: a slewing ring."""
     for (a, b), r in survey.pairs():

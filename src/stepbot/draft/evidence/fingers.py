@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import BY_NAME, Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
@@ -53,6 +54,7 @@ def centroid(survey: Survey, members: Sequence[int]) -> Array:
     return np.asarray(np.sum([p.volume * p.com for p in parts], axis=0) / total)
 
 
+@rule(160)
 def finger_evidence(survey: Survey, evidence: Evidence) -> None:
     """Two equal fingers that only lie on one body slide on it towards each other."""
     fingers = [i for i, part in survey.parts.items() if Role.JAW in part.roles and i not in survey.small]

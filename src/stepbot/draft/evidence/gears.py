@@ -6,6 +6,7 @@ from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.contacts.teeth import Gear, Mesh, RackMesh
 from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
@@ -27,6 +28,7 @@ SAME_GEAR = 3e-4
 """Distance [m] up to which the axis of a gear is that of a joint."""
 
 
+@rule(170)
 def gear_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add what gears indicate.
 
@@ -65,6 +67,7 @@ def gear_evidence(survey: Survey, evidence: Evidence) -> None:
             evidence.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
 
 
+@rule(180)
 def belt_evidence(survey: Survey, evidence: Evidence) -> None:
     """A belt turns what it runs around, on what holds that, unless something turns about its axis already."""
     turning = [h for h in evidence.joints if h.type == JointKind.REVOLUTE and h.score >= CHOSEN]

@@ -11,6 +11,7 @@ from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence, Priority
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
@@ -53,6 +54,8 @@ _CENTRED = 0.05
 """Distance of a cross's centroid from where its axes intersect, as a share of its size, at most."""
 
 
+@rule(140)
+@rule(60, structure=None)
 def captured_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence, structure: Structure | None) -> None:
     """Add a joint for each part that is captured in another: as a profile or guide, or in another subassembly.
 
@@ -97,6 +100,7 @@ def _share_screw(survey: Survey, pair: Pair) -> bool:
     return bool(near[0] & near[1])
 
 
+@rule(130)
 def guide_evidence(survey: Survey, evidence: Evidence) -> None:
     """A part with bores on two parallel rods of one body, not held along them, slides on them.
 
@@ -302,6 +306,7 @@ def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:
     return any(abs(float(p.normal @ axis.d)) > 0.99 for r in beside for p in r.patches)
 
 
+@rule(150)
 def screw_evidence(survey: Survey, evidence: Evidence) -> None:
     """A shaft that turns elsewhere, in a bore along a slide, is the screw of that slide: neither holds the other.
 
@@ -328,6 +333,7 @@ def screw_evidence(survey: Survey, evidence: Evidence) -> None:
                     h.score, h.why = min(h.score, _IN_NUT), "a shaft that turns, in what slides along it: its screw"
 
 
+@rule(100)
 def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> None:
     """A small part that turns in two others about axes that intersect at a right angle is a universal joint's cross.
 
@@ -341,8 +347,7 @@ def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> 
     for i, forks in pins.items():
         bushed: dict[Relation, None] = {}
         for r, s in combinations(forks, 2):
-            centre = _crossing(r, s)
-            one, two = forks[r], forks[s]
+            centre, one, two = _crossing(r, s), forks[r], forks[s]
             if centre is None or one == two:
                 continue
             sides = min(survey.parts[one].volume, survey.parts[two].volume)
@@ -356,10 +361,8 @@ def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> 
                 continue
             # The cross goes with the side of its subassembly.
             moving, still = (r, s) if structure.are_together(i, two) else (s, r)
-            assert moving.axis is not None
-            assert still.axis is not None
             a, b = sorted((i, moving.other(i)))
-            axes = Axis(centre, moving.axis.d), Axis(centre, still.axis.d)
+            axes = [Axis(centre, pin.axis.d) for pin in (moving, still) if pin.axis is not None]
             why = "a cross with two axes at a right angle"
             evidence.joint(JointEvidence(0.86, a, b, JointKind.UNIVERSAL, axes[0], why, moving, axes[1]))
             evidence.weld(0.87, i, still.other(i), "cross of a universal joint")

@@ -17,6 +17,7 @@ from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via, merged
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
 from stepbot.draft.evidence.guides import on_rods
 from stepbot.draft.evidence.mobility import MOST, Hinge, Mobility, mobility
@@ -59,6 +60,7 @@ _LEVER, _GUIDED = 1e-4, 3.0
 _TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
 
 
+@rule(40)
 def linkage_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add the joints of all linkages."""
     pivots, spaced = find_pivots(survey), list(spaced_pivots(survey))

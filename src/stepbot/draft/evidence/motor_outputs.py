@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from stepbot.draft.contacts.relations import Relation, Via, is_even, merged, reach
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.near_outputs import NearOutput, alone, idlers, is_beside, is_through_mount, through
@@ -203,6 +204,7 @@ class _Side(Struct, frozen=True, eq=False):
         return self.is_seat or self.whole.holes >= 2 or self.whole.area > _BRUSH_AREA or self.whole.freedom.dof <= 1
 
 
+@rule(10)
 def motor_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add the evidence of all motors."""
     axes = OutputAxes(survey, motors)

@@ -12,6 +12,7 @@ from stepbot.draft.contacts.relations import Relation, Via, is_even
 from stepbot.draft.contacts.roles import spoken_names
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Apart, Evidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
@@ -94,6 +95,7 @@ def _pistons(survey: Survey, motor: Motor) -> set[int]:
     return {fit.shaft for r in inside for fit in r.shafts}
 
 
+@rule(15)
 def actuator_evidence(survey: Survey, evidence: Evidence) -> None:
     """Bodies of a linear actuator that are named a motor and touch are one case; its pistons are apart from them."""
     for motor in _named_motors(survey) if survey.sources.names else ():

@@ -9,6 +9,7 @@ from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import SPIGOT, Relation, Via
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
@@ -344,6 +345,13 @@ class PairEvidence:
         self._evidence.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r, review=review))
 
 
+@rule(80)
+def pair_evidence(survey: Survey, motors: list[Motor], structure: Structure, evidence: Evidence) -> None:
+    """Add the evidence of all pairs of larger parts."""
+    PairEvidence(survey, structure, evidence).collect(motors)
+
+
+@rule(90)
 def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
     """Two parts that do not touch, with several screws through both, are one: spacers are between them."""
     through: dict[tuple[int, int], list[Axis]] = defaultdict(list)
@@ -355,25 +363,6 @@ def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
     for (a, b), lines in through.items():
         if len(lines) > 1 and survey.relation(a, b) is None:
             evidence.weld(_SCREWED, a, b, f"{len(lines)} screws through both, with a gap between them")
-
-
-def several_axes(structure: Structure, evidence: Evidence) -> None:
-    """Two subassemblies that meet on several axes turn about none: four posts, two misaligned hinges."""
-    between: dict[tuple[int, int], list[JointEvidence]] = {}
-    for h in evidence.joints:
-        one, two = structure.link_of.get(h.a), structure.link_of.get(h.b)
-        plain = h.type == JointKind.REVOLUTE and h.relation is not None
-        if one is None or two is None or one == two or not plain or h.by_role or h.score < 0.5:
-            continue
-        assert h.relation is not None
-        if h.relation.via in (Via.FACE, Via.BOLT, Via.PIN):
-            between.setdefault((min(one, two), max(one, two)), []).append(h)
-    for hinges in between.values():
-        apart = [h for h in hinges[1:] if not h.axis.same(hinges[0].axis, 1e-4)]
-        if apart:
-            for h in hinges:
-                h.score = min(h.score, 0.45)
-                evidence.weld(0.74, h.a, h.b, "several axes between two subassemblies")
 
 
 def _is_telescope(r: Relation) -> bool:

@@ -13,6 +13,7 @@ from msgspec import Struct
 from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, LineFace, Pair
 from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO, neighbours_on
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
@@ -182,6 +183,7 @@ def _is_ring(survey: Survey, i: int, axis: Axis) -> bool:
     return bool(bores) and max(ends) < _RING * max(bores)
 
 
+@rule(20)
 def knuckle_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add a joint for each pair of parts with knuckles on one line, and on no other."""
     for line in survey.contacts.lines:

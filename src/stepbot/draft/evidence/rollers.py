@@ -16,6 +16,7 @@ from msgspec import Struct
 from stepbot.draft.contacts.concentric import fitted_circle
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvidence, Priority, Weld
 from stepbot.draft.evidence.wheels import TREAD
 from stepbot.draft.parts.axis import Axis
@@ -65,6 +66,7 @@ def _may_hold(survey: Survey, hub: int, roller: _Roller) -> bool:
     return not roller.held_by or any(i == hub or survey.relation(hub, i) is not None for i in roller.held_by)
 
 
+@rule(190)
 def roller_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add the joints of all patterns of rollers, and their hubs as wheels."""
     free = [roller for i in survey.parts if (roller := _roller(survey, i)) is not None]
@@ -109,6 +111,7 @@ def roller_evidence(survey: Survey, evidence: Evidence) -> None:
                     ]
 
 
+@rule(200)
 def rail_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add a slide for each body whose wheels run on both sides of another one, longer than their row."""
     carried: dict[int, dict[int, Axis]] = defaultdict(dict)

@@ -6,13 +6,16 @@ from itertools import combinations
 
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import Evidence
+from stepbot.draft.evidence import rule
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.wheels import TREAD, rolling
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
 from stepbot.geometry.fixed_point import exact_sum
+from stepbot.robot.model import JointKind
 
 _MOVING = 0.79
 """Score of a joint of a loop or a wheel, which bodies of one part may have."""
@@ -167,13 +170,14 @@ def is_guide(survey: Survey, a: int, b: int) -> bool:
     return bool(holds_a - holds_b) and bool(holds_b - holds_a)
 
 
-def body_welds(survey: Survey, motors: Sequence[Sequence[int]], evidence: Evidence) -> None:
+@rule(50)
+def body_welds(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn.
 
     Where others are equal to it, as in limbs, the product is no list of what was drawn together: its bodies are one
     also if they do not touch.
     """
-    in_motor = {i for parts in motors for i in parts}
+    in_motor = {i for motor in motors for i in motor.parts}
     moving = {(h.a, h.b) for h in evidence.joints if h.score >= _MOVING}
     assembly = survey.assembly
     products: dict[int, list[int]] = {}
@@ -195,3 +199,29 @@ def body_welds(survey: Survey, motors: Sequence[Sequence[int]], evidence: Eviden
                 evidence.weld(0.97, island[0], i, f"bodies of one part '{assembly.components[index].path}'")
         for island in islands[1:] if uses[kinds[index]] > 1 else ():
             evidence.weld(_APART, islands[0][0], island[0], f"bodies of one of {uses[kinds[index]]} equal parts")
+
+
+@rule(70)
+def subassembly_evidence(structure: Structure, evidence: Evidence) -> None:
+    """Add the welds of subassemblies that look like links."""
+    structure.welds(evidence)
+
+
+@rule(900)
+def several_axes(structure: Structure, evidence: Evidence) -> None:
+    """Two subassemblies that meet on several axes turn about none: four posts, two misaligned hinges."""
+    between: dict[tuple[int, int], list[JointEvidence]] = {}
+    for h in evidence.joints:
+        one, two = structure.link_of.get(h.a), structure.link_of.get(h.b)
+        plain = h.type == JointKind.REVOLUTE and h.relation is not None
+        if one is None or two is None or one == two or not plain or h.by_role or h.score < 0.5:
+            continue
+        assert h.relation is not None
+        if h.relation.via in (Via.FACE, Via.BOLT, Via.PIN):
+            between.setdefault((min(one, two), max(one, two)), []).append(h)
+    for hinges in between.values():
+        apart = [h for h in hinges[1:] if not h.axis.same(hinges[0].axis, 1e-4)]
+        if apart:
+            for h in hinges:
+                h.score = min(h.score, 0.45)
+                evidence.weld(0.74, h.a, h.b, "several axes between two subassemblies")

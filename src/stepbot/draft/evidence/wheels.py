@@ -14,6 +14,7 @@ import numpy as np
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence import rule
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.parts.axis import Axis
@@ -65,6 +66,7 @@ def is_wheel(survey: Survey, known: Collection[int], members: Sequence[int], axi
     return any(part.index in known and part.is_balanced(axis, TREAD) for part in parts)
 
 
+@rule(30)
 def wheel_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> None:
     """Add a joint for each wheel that is held about its axis alone by what is not turned about it."""
     driven = {h.b for h in evidence.joints if h.drives} | {i for motor in motors for i in motor.parts}
