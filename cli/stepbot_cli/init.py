@@ -217,7 +217,7 @@ def _counts(draft: "Draft") -> str:
 
 
 def _todo(draft: "Draft") -> int:
-    return sum(joint.limits is None and joint.written in ("revolute", "prismatic") for joint in draft.joints)
+    return sum(joint.limits is None and joint.written.bounded for joint in draft.joints)
 
 
 def _questions(draft: "Draft", text: str) -> list[str]:

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import sys
+from importlib.metadata import version
 from pathlib import Path
 from subprocess import run as run_process
 
@@ -61,6 +62,7 @@ ENGINE = Engine(
     available=always,
     order=90,
     tolerances={"mass": Tolerance(relative=2e-3)},
+    distribution="click",
 )
 '''
 OBSERVER = '''\
@@ -167,6 +169,14 @@ def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extend
     assert {check["format"] for check in checks} == {"dummy"}
 
 
+def test_the_version_of_an_added_engine_is_that_of_its_distribution(extended: Extended) -> None:
+    """`doctor` lists an engine with the version of the distribution that it declares."""
+    items = json.loads(extended.stepbot("doctor", "--json").out)["items"]
+    (added,) = (item for item in items if item["name"] == "dummy_engine")
+    assert (added["state"], added["detail"]) == ("ok", version("click"))
+
+
+@pytest.mark.slow
 def test_what_is_written_by_default_is_computed(extended: Extended) -> None:
     """Library and command line write all formats declared as `default`."""
     program = "from stepbot.pipeline.conversion import Options; print(Options('.').formats)"

@@ -10,6 +10,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from stepbot.diagnostics.codes import CODES, PAGE, Code, renamed
+from stepbot.robot.joint_types import PAIRS
 
 ROOT = Path(__file__).resolve().parents[2]
 OURS = ("src", "cli")
@@ -70,6 +71,20 @@ def test_names_state_what_they_hold(nodes: list[tuple[str, ast.AST]]) -> None:
     names = [(file, node.lineno, node.id) for file, node in nodes if isinstance(node, ast.Name)]
     names += [(file, node.lineno, node.arg) for file, node in nodes if isinstance(node, ast.arg)]
     assert [f"{file}:{line}" for file, line, name in names if name == "found"] == []
+
+
+@pytest.mark.slow
+def test_sets_of_joint_types_are_read_from_their_table(nodes: list[tuple[str, ast.AST]]) -> None:
+    """Nobody but engines, for words of their own, lists which types turn or slide: the rows of `JointKind` state it."""
+    pairs = {kind.value for kind in PAIRS}
+    sets = [(file, node) for file, node in nodes if isinstance(node, ast.Tuple | ast.Set | ast.List)]
+    listed = [
+        f"{file}:{node.lineno}"
+        for file, node in sets
+        if len(node.elts) > 1 and {one.value for one in node.elts if isinstance(one, ast.Constant)} <= pairs
+        if all(isinstance(one, ast.Constant) for one in node.elts) and not file.startswith("src/stepbot/engines/")
+    ]
+    assert listed == []
 
 
 @pytest.mark.slow

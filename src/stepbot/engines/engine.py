@@ -73,6 +73,8 @@ class Engine(Struct, eq=False):
     """Whether it is one of stepbot's own parsers, which confirms the text of a file but simulates nothing."""
     install: str = ""
     """Command that installs it; empty for ``pip install NAME``."""
+    distribution: str = ""
+    """The distribution or module whose version is the engine's; empty for ``name``."""
     title: str = ""
     """Name in prose: ``MuJoCo``; empty for ``name``."""
 

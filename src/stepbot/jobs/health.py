@@ -37,8 +37,6 @@ _PACKAGES = {
     "libgomp.so.1": "libgomp1",
 }
 """Shared libraries that wheels link to, and Debian's packages of them."""
-_MODULES = {"drake": "pydrake", "usd": "pxr", "pinocchio": "pin"}
-"""Modules or distributions of engines that are not called as the engine."""
 _EXTRAS: dict[str, tuple[tuple[str, ...], str]] = {
     "render": (("embreex", "PIL", "scipy"), "pictures: `stepbot render`, `inspect --picture`"),
     "view": (("watchfiles",), "`stepbot watch`"),
@@ -120,7 +118,7 @@ def _engine(engine: Engine) -> Item:
     reason = engine.available()
     if reason is not None:
         return Item("engine", name, ABSENT, "" if reason.endswith("not installed") else reason, purpose, install)
-    own = __version__ if engine.own_parser else _version(_MODULES.get(engine.name, engine.name))
+    own = __version__ if engine.own_parser else _version(engine.distribution or engine.name)
     return Item("engine", name, OK, own, purpose, install)
 
 

@@ -79,3 +79,8 @@ class JointKind(StrEnum):
 def kinds_with(**row: object) -> tuple[JointKind, ...]:
     """The types whose row has these values, in the order of the table."""
     return tuple(kind for kind in JointKind if all(getattr(kind, name) == value for name, value in row.items()))
+
+
+HINGES = kinds_with(is_hinge=True)
+PAIRS = kinds_with(is_pair=True)
+"""Hinges and slides."""

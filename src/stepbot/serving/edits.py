@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from stepbot.report.plain import Json
-from stepbot.robot.joint_types import kinds_with
+from stepbot.robot.joint_types import PAIRS, kinds_with
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.draft_comments import (
     drafted_actuators,
@@ -148,7 +148,7 @@ def _is_open(sidecar: Sidecar, keys: Keys) -> bool:
     return isinstance(value, Scalar) and value.value == "todo"
 
 
-_REVERSIBLE = (*kinds_with(is_pair=True), "fixed")
+_REVERSIBLE = (*PAIRS, "fixed")
 
 
 def merge(sidecar: Sidecar, question: Json) -> list[Change]:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from stepbot.report.plain import Json
-from stepbot.robot.joint_types import JointKind, kinds_with
+from stepbot.robot.joint_types import HINGES, JointKind, kinds_with
 from stepbot.sidecar.draft_comments import drafted_stops, mirrored_stops, without_reviews, without_stops
 from stepbot.sidecar.editing import Annotate, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
@@ -13,7 +13,6 @@ from .local_server import Refused
 from .questions import axis, limits, one_line, selectors, text
 
 WITH_LIMITS = kinds_with(bounded=True)
-_TURNING = kinds_with(is_hinge=True)
 _BOUNDS = ("lower", "upper")
 
 
@@ -63,7 +62,7 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
     given: Json = bounds if isinstance(bounds, dict) else {}
     # Limits of a description stay with its type, and give way to another one.
     others = [key for key in given if key not in _BOUNDS and _is_own(sidecar, name, key)]
-    if others and not {kind, former} <= set(_TURNING):
+    if others and not {kind, former} <= set(HINGES):
         raise Refused(f"`{others[0]}` of '{name}' does not fit type {kind}; remove it in the sidecar first")
     if others:
         changes += [Remove((*place, "limits", key)) for key in _BOUNDS if key in given]

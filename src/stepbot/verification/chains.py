@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_angle, vector3
+from stepbot.robot.joint_types import HINGES, PAIRS
 
 from .naming import Naming, steps_of
 
@@ -61,7 +62,6 @@ def direction(twist: Array) -> tuple[float, float, float]:
 
 _SEVERAL = frozenset({"ball", "universal", "screw", "cylindrical", "planar", "floating"})
 """Types of joints that formats represent differently."""
-_TURNING = ("revolute", "continuous")
 PARALLEL = 1e-9
 """Largest sine of the angle between directions that count as parallel."""
 
@@ -151,7 +151,7 @@ def _dofs(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], Ob
     Joints without coordinates in the engines are left out; see :func:`is_known`.
     """
     for joint in (step for whole in edge.joints for step in steps_of(whole)):
-        if joint.kind in _TURNING:
+        if joint.kind in HINGES:
             yield "turn", (joint.name,), joint, True
         elif joint.kind in ("prismatic", "screw"):
             yield {"prismatic": "slide"}.get(joint.kind, joint.kind), (joint.name,), joint, True
@@ -165,7 +165,7 @@ def _dofs(edge: Edge, naming: Naming) -> Iterator[tuple[str, tuple[str, ...], Ob
 def is_known(edge: Edge, naming: Naming) -> bool:
     """Whether every joint of an edge has coordinates in the engines."""
     moving = [step for joint in edge.joints for step in steps_of(joint) if step.kind != "fixed"]
-    single = {*_TURNING, "prismatic", "screw"}
+    single = {*PAIRS, "screw"}
     several = {*naming.balls, *naming.universals}
     return all(step.name and (step.kind in single or step.name in several) for step in moving)
 

@@ -14,6 +14,7 @@ from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import ZERO3, Array, Pose, angle_between, vector3
 from stepbot.robot.dynamics import GRAVITY
+from stepbot.robot.joint_types import HINGES
 from stepbot.robot.mesh_names import SCOPE
 
 from .deviation import Deviations
@@ -205,7 +206,7 @@ def _turn(closure: ObservedClosure, X: Pose, Y: Pose) -> float:
     """Angle [rad] between two orientations of an end of a closure, but for turns that it leaves free."""
     if closure.kind == "ball":
         return 0.0
-    if closure.kind in ("revolute", "continuous") and closure.axis is not None:
+    if closure.kind in HINGES and closure.axis is not None:
         return angle_between(vector3(X.R @ closure.axis), vector3(Y.R @ closure.axis))
     return X.distance_to(Y)[1]
 

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
 from stepbot.formats.lowering.shapes import capsule_parts
 from stepbot.geometry.spatial import Pose, join_bounds
+from stepbot.robot.joint_types import HINGES
 from stepbot.robot.model import ActuatorKind, Mimic
 
 from .chains import is_bare
@@ -54,7 +55,7 @@ def _within_a_turn(observation: Observation) -> Observation:
     """Initial angles within one turn, whose ends are not multiples of 90 degrees, where angles often are."""
     if observation.initial is None:
         return observation
-    turning = {joint.name for joint in observation.joints if joint.kind in ("revolute", "continuous")}
+    turning = {joint.name for joint in observation.joints if joint.kind in HINGES}
     initial = {
         name: q - round((q - 0.1) / tau) * tau if name in turning else q for name, q in observation.initial.items()
     }

@@ -11,5 +11,6 @@ ENGINE = Engine(
     probe_order=60,  # it reads no mimics
     optional=True,
     install="pip install 'stepbot[verify]'",
+    distribution="pydrake",
     title="Drake",
 )

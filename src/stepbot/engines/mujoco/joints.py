@@ -9,6 +9,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, vector3
+from stepbot.robot.joint_types import HINGES
 from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import JointDynamics, JointKind, Limit
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 VELOCITY = f"{SCOPE}velocity"
 """Suffix of the custom number with a joint's velocity limit, for which MJCF has no attribute."""
 
-_TURNING = ("revolute", "continuous")
 _UNIQUE = re.compile("(_joint)+$")
 """What stepbot adds to names of such joints that are taken."""
 _SQUARE = 1e-9
@@ -84,7 +84,7 @@ def _with_steps(compiled: "NamedModel", joint: ObservedJoint, seen: Sequence[Obs
 
 def _as_one(compiled: "NamedModel", above: range, seen: Sequence[ObservedJoint]) -> ObservedJoint | None:
     """The joint that several joints of a body form; None if it is not one of the known types."""
-    kinds = tuple("turn" if joint.kind in _TURNING else joint.kind for joint in seen)
+    kinds = tuple("turn" if joint.kind in HINGES else joint.kind for joint in seen)
     axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in seen]
     last, first = seen[-1], seen[0]
     if kinds == ("turn", "turn"):

@@ -25,5 +25,6 @@ ENGINE = Engine(
     order=50,
     optional=True,
     install="pip install 'stepbot[verify]'",
+    distribution="pin",
     title="Pinocchio",
 )

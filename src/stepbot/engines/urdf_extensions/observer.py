@@ -14,6 +14,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
+from stepbot.robot.joint_types import PAIRS
 from stepbot.robot.model import ActuatorKind, JointDynamics
 from stepbot.robot.sensors import SensorKind
 from stepbot.version import __version__
@@ -335,8 +336,7 @@ def faults(top: Element) -> Iterator[str]:
 def _unstated_joints(top: Element) -> Iterator[str]:
     """Joints whose positions nobody publishes, so that RViz lacks all below: those of mimics follow from others."""
     stated = {joint.get("name", "") for joint in top.findall("ros2_control/joint")}
-    kinds = ("revolute", "continuous", "prismatic")
-    moving = [one for one in top.findall("joint") if one.get("type") in kinds and one.find("mimic") is None]
+    moving = [one for one in top.findall("joint") if one.get("type") in PAIRS and one.find("mimic") is None]
     for joint in moving if stated else ():
         if joint.get("name", "") not in stated:
             yield f"joint '{joint.get('name', '')}' moves, and is in no <ros2_control>"

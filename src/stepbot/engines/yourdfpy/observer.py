@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from stepbot.geometry.mass_properties import EXTRAS
 from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
+from stepbot.robot.joint_types import PAIRS
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.runtime.import_path import import_lightly
 
@@ -44,7 +45,6 @@ _NOT_RUN: Mapping[Quantity, str] = {
 }
 _EIGHT_BITS = "out of bounds for uint8"
 """The end of numpy's message on a colour that yourdfpy converts for its scene."""
-_MOVING = ("revolute", "continuous", "prismatic")
 
 
 def prepare() -> None:
@@ -88,7 +88,7 @@ def observe(request: Request) -> Observation:
         name=urdf.robot.name,
         links=tuple(_link(link) for link in urdf.robot.links),
         joints=joints,
-        coordinates=tuple(joint.name for joint in joints if joint.kind in _MOVING),
+        coordinates=tuple(joint.name for joint in joints if joint.kind in PAIRS),
         poses=poses,
         warnings=tuple(dict.fromkeys([*warnings, *(str(error) for error in urdf.errors)])),
         not_run=not_run,
@@ -123,7 +123,7 @@ def _rgba(material: Any) -> tuple[float, ...]:
 
 
 def _joint(joint: Any) -> ObservedJoint:
-    if joint.type not in _MOVING:
+    if joint.type not in PAIRS:
         axis = vector3(unit(joint.axis)) if joint.type == "planar" else None
         return ObservedJoint(joint.name, joint.type, joint.parent, joint.child, axis=axis, mimic_read=True)
     mimic = joint.mimic
