@@ -39,6 +39,7 @@ $(STAMP): pyproject.toml requirements-ci.txt Makefile
 
 demo: install  ## convert the four-bar linkage to all formats and verify the files
 	$(BIN)/stepbot convert $(DEMO) -o build/demo/four_bar
+	@command -v stepbot >/dev/null || echo "stepbot is not on the PATH, so: $(BIN)/stepbot view build/demo/four_bar"
 
 test: install  ## run the tests that take less than about a third of a second; SLOW=1 runs the others too, as CI does
 	$(BIN)/pytest -n $(JOBS) -m "not long$(if $(SLOW),, and not slow)"
