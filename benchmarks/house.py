@@ -1,6 +1,7 @@
 """Print how large the code base is: ``python -m benchmarks.house``."""
 
 import ast
+from collections import Counter
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -64,12 +65,18 @@ def _imported(tree: ast.Module) -> Iterator[str]:
 
 
 def main() -> None:
-    """Print the figures, and the rooms by floor."""
+    """Print the figures, the rooms by floor, and the lines of each room and of the folders in it."""
     for name, value in figures().items():
         print(f"{value:7,} {name}")
     trees = {path: ast.parse(path.read_text(encoding="utf-8")) for source in SOURCES for path in source.rglob("*.py")}
     for level in reversed(floors(trees)):
         print(f"        {', '.join(level)}")
+    rooms = Counter[str]()
+    for path in trees:
+        room = "/".join(path.relative_to(ROOT).parts[2:-1][:2]) or "stepbot_cli"
+        rooms[room] += len(path.read_text(encoding="utf-8").splitlines())
+    for room, lines in sorted(rooms.items()):
+        print(f"{lines:7,} {room}")
 
 
 if __name__ == "__main__":
