@@ -52,7 +52,7 @@ def test_mutants_find_no_fault(bases: Path, origin: str, count: int) -> None:
 
 @pytest.mark.long
 def test_two_hundred_mutants(bases: Path) -> None:
-    """Two hundred mutants of every base and kind find no defect; the numbers of all 2,000 are in docs/reading.md."""
+    """Two hundred mutants of every base and kind find no defect; benchmarks/READING.md has the numbers of all 2,000."""
     trials = list(try_all(plan(base_files.names(bases), 200, seed=2), bases, jobs=core_count()))
     failed = [trial for trial in trials if trial.verdict.faults]
     assert not failed, "\n".join(map(described, failed)) + table(trials)
