@@ -202,3 +202,15 @@ def test_a_shaft_with_a_flat_and_no_play_is_fixed_in_its_bore() -> None:
         bore = cylinder(3 + play, 20) - box(7, 2, 20).at(0, 3 + play, 10)
         hub = box(30, 30, 20).at(0, 0, 30) - bore.at(0, 0, 20)
         assert (strongest(evidence(part("shaft", shaft), part("hub", hub))) == "weld") == (not play)
+
+
+@pytest.mark.parametrize(("radius", "lug"), [(5.0, False), (5.0, True), (4.95, False)])
+def test_a_round_foot_as_thick_as_its_hole_is_to_be_reviewed(radius: float, lug: bool) -> None:
+    """It is pressed or screwed in as likely as it turns; not so with play, or if it shows how far it has turned."""
+    plate = box(200, 200, 10) - cylinder(5, 10).at(40, 40, -5)
+    foot = cylinder(radius, 6).at(0, 0, -5) + cylinder(20, 30).at(0, 0, -35)
+    foot = foot + box(60, 10, 10).at(20, 0, -20) if lug else foot
+    found = inferred(part("plate", plate), part("foot", foot, 40, 40), sources=BARE)
+    assert joints(found) == [("revolute", "foot", "plate")]
+    (arc,) = found.arcs
+    assert arc.evidence.review.startswith("round, and as thick") == (radius == 5.0 and not lug)

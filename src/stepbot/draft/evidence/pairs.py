@@ -20,6 +20,8 @@ from stepbot.robot.model import JointKind
 
 _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong to it"
 """What to review of a pin at a part named a bearing."""
+_REVIEW_ROUND = "round, and as thick as its bore: it may be pressed or screwed in"
+"""What to review of a pin that looks the same however it is turned."""
 _REVIEW_TUBES = "a round tube in another one: it may turn, too"
 _PISTON, _REVIEW_PISTON = 0.82, "a piston with room to travel in its bore: it may turn, too"
 """Score and review of a short shaft with play in a long bore."""
@@ -220,7 +222,13 @@ class PairEvidence:
             kind, review = JointKind.PRISMATIC, _REVIEW_TUBES
         elif r.is_piston:
             kind, review, score = JointKind.PRISMATIC, _REVIEW_PISTON, max(score, _PISTON)
+        elif not review and is_exact and Role.WHEEL not in roles and self._is_round(r):
+            review = _REVIEW_ROUND
         self._joint(r, score, kind, f"{_engaged(r)}{shoulder}", review)
+
+    def _is_round(self, r: Relation) -> bool:
+        """Whether one of two parts is symmetric about their axis, so that turning it would show nothing."""
+        return r.axis is not None and any(self._survey.parts[i].is_balanced(r.axis) for i in (r.a, r.b))
 
     def _is_ball_stud(self, r: Relation) -> bool:
         """Whether a nut or the like is on both parts, and one has a ball on the line: it turns in its socket."""
