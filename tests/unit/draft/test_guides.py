@@ -11,7 +11,8 @@ from stepbot.draft.contacts.captured import Captured, _slide
 from stepbot.draft.contacts.contacts import Patch
 from stepbot.draft.contacts.planes import Facing
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
-from stepbot.draft.evidence.guides import REVIEW
+from stepbot.draft.evidence.guides import CAPTURED, ON_PIN, REVIEW
+from stepbot.draft.inference import infer_from
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
@@ -239,7 +240,7 @@ def test_a_tube_slides_on_glide_pads(pads: bool) -> None:
     found = inferred(part("outer", outer), part("inner", inner, z=150), *(lined if pads else []), sources=BARE)
     moving = [kind for kind, *_ in joints(found) if kind != "fixed"]
     assert moving == (["prismatic"] if pads else [])
-    assert not pads or found.arcs[0].evidence.review == REVIEW
+    assert not pads or found.arcs[0].evidence.review == REVIEW.format(CAPTURED)
 
 
 def test_a_rod_as_thick_as_its_bore_is_the_screw_of_a_slide() -> None:
@@ -289,6 +290,9 @@ def test_block_on_a_pin_slides_in_its_channel() -> None:
     slide = channel_and_block(0.1).captured[1, 2]
     assert slide.axis.is_along(np.array([1.0, 0.0, 0.0]))
     assert slide.has_play
+    (arc,) = (arc for arc in infer_from(channel_and_block(0.1)).arcs if arc.evidence.type == JointKind.PRISMATIC)
+    assert arc.evidence.why == f"{ON_PIN} with clearance"
+    assert arc.evidence.review == REVIEW.format(ON_PIN)
     assert (1, 2) not in channel_and_block(0.0).captured
     assert (1, 2) not in channel_and_block(0.1, part("lug", box(10, 10, 10).at(25, 7.5, 0))).captured
 

@@ -48,6 +48,8 @@ class Captured(Struct, frozen=True, eq=False):
     """Whether there is clearance on some side."""
     is_profile: bool
     """Whether it has clearance and is engaged over more than its widths: no motor in its seat is."""
+    is_on_pin: bool = False
+    """Whether a pin and two faces along it hold the part, rather than faces on four sides."""
 
 
 def find_captured(
@@ -111,17 +113,16 @@ def _pins(relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[i
 def _on_pin(planes: Planes, pair: Pair, pins: Mapping[int, Axis]) -> Captured | None:
     """How a block that nothing but a pin holds slides, with play, between two faces along the pin, as in a channel."""
     for one, other in (pair, pair[::-1]):
-        pin = pins.get(one)
-        near = list(planes.facing(one, other, _WIDE)) if pin is not None and other not in pins else []
-        guides = [
-            face for face in near if pin and abs(float(face.normal @ pin.d)) < _STRAIGHT and face.gap < _CLEARANCE
-        ]
-        if pin is None or len(_distinct([guide.normal for guide in guides])) != 1 or not _is_between(guides):
+        if one not in pins or other in pins:
+            continue
+        pin, near = pins[one], list(planes.facing(one, other, _WIDE))
+        guides = [face for face in near if abs(float(face.normal @ pin.d)) < _STRAIGHT and face.gap < _CLEARANCE]
+        if len(_distinct([guide.normal for guide in guides])) != 1 or not _is_between(guides):
             continue
         along = cross(guides[0].normal, pin.d)
         is_stopped = any(abs(float(face.normal @ along)) > _ALONG for face in near)
         if not is_stopped and max(guide.gap for guide in guides) > GAP:
-            return Captured(Axis(guides[0].patch.point, along), has_play=True, is_profile=False)
+            return Captured(Axis(guides[0].patch.point, along), has_play=True, is_profile=False, is_on_pin=True)
     return None
 
 

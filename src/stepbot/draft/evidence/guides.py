@@ -20,8 +20,9 @@ from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 
-REVIEW = "captured on four sides and free along one direction: it may be fastened"
-"""What to review of each slide in a profile."""
+ON_PIN, CAPTURED = "on a pin and between two faces along it", "captured on four sides"
+REVIEW = "{} and free along one direction: it may be fastened"
+"""What to review of each slide in a profile or channel, with what holds it."""
 _PROFILE, _LOOSE, _TIGHT, _ACROSS = 0.77, 0.72, 0.67, 0.05
 """Scores of profiles, of others with clearance and without, and what is added for parts of two subassemblies."""
 _TAG = 5e-4
@@ -44,10 +45,8 @@ _HEAD = 4.0
 """Length in radii that the head of a screw, or its end behind a nut, is outside of what it holds, at most."""
 _APART = 1e-3
 """Distance [m] from which two rods are distinct."""
-_SAME_END = 1e-4
-"""Distance [m] up to which two parts end at one place."""
-_MEET = 1e-5
-"""Distance [m] up to which two axes intersect."""
+_SAME_END, _MEET = 1e-4, 1e-5
+"""Distances [m] up to which two parts end at one place, and up to which two axes intersect."""
 _CROSS_SHARE = 0.02
 """Share of the assembly's volume up to which a part can be a cross."""
 _CENTRED = 0.05
@@ -83,9 +82,9 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], evidence: Evidenc
             score = _OFFERED
         else:
             score = (_LOOSE if captured.has_play else _TIGHT) + _ACROSS * structure.are_across(*pair)
-        why = "captured on four sides" + (" with clearance" if captured.has_play else "")
-        relation = survey.relation(*pair)
-        evidence.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))
+        how, relation = ON_PIN if captured.is_on_pin else CAPTURED, survey.relation(*pair)
+        why, review = f"{how} with clearance" if captured.has_play else how, REVIEW.format(how)
+        evidence.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=review))
 
 
 def _is_flush(survey: Survey, pair: Pair, axis: Axis) -> bool:
@@ -361,10 +360,11 @@ def cross_evidence(survey: Survey, structure: Structure, evidence: Evidence) -> 
                 continue
             # The cross goes with the side of its subassembly.
             moving, still = (r, s) if structure.are_together(i, two) else (s, r)
-            a, b = sorted((i, moving.other(i)))
-            axes = [Axis(centre, pin.axis.d) for pin in (moving, still) if pin.axis is not None]
+            assert moving.axis is not None
+            assert still.axis is not None
+            axes = Axis(centre, moving.axis.d), Axis(centre, still.axis.d)
             why = "a cross with two axes at a right angle"
-            evidence.joint(JointEvidence(0.86, a, b, JointKind.UNIVERSAL, axes[0], why, moving, axes[1]))
+            evidence.joint(JointEvidence(0.86, moving.a, moving.b, JointKind.UNIVERSAL, axes[0], why, moving, axes[1]))
             evidence.weld(0.87, i, still.other(i), "cross of a universal joint")
         for r in bushed:
             assert r.axis is not None

@@ -38,8 +38,8 @@ _FLANGES = ((7.5e-3, 11.31e-3), (11e-3, 16.26e-3), (11e-3, 18.38e-3), (11e-3, 21
 """Radii [m] of the spigot and the circle of holes of NEMA 8, 11, 14, 17, 23 and 34."""
 _FLANGE_OFF, _CORNERS = 1.5e-4, 4
 """Difference [m] of these radii up to which a flange is one; number of holes."""
-_GUEST = 0.01
-"""Share of the volume of a motor's case from which what is in its bores is no dowel or stud."""
+_GUEST, _ONE_CASE = 0.01, 0.95
+"""Share of a motor's case from which what is in its bores is no dowel or stud; score of a linear actuator's case."""
 _LEAST = 5e-3
 """Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
 _NUMBERED = re.compile(r"(?<=\w)[\s_.:-]*\d*$")
@@ -103,9 +103,9 @@ def actuator_evidence(survey: Survey, evidence: Evidence) -> None:
         named = [i for i in motor.parts if i in pistons or Role.MOTOR in survey.parts[i].roles] if pistons else []
         for a, b in combinations(sorted(named), 2):
             if pistons & {a, b}:
-                evidence.apart.append(Apart(0.95, a, b))
+                evidence.apart.append(Apart(_ONE_CASE, a, b))
             elif survey.relation(a, b) is not None:
-                evidence.weld(0.95, a, b, "bodies of a linear actuator")
+                evidence.weld(_ONE_CASE, a, b, "bodies of a linear actuator")
 
 
 def _named_motors(survey: Survey) -> list[Motor]:
@@ -130,12 +130,12 @@ def _named_motors(survey: Survey) -> list[Motor]:
     for c, members in _reunited(survey, cases, shafts):
         if survey.total_volume(members) < _WIRE:
             continue
-        turned = {i for i in members if {Role.WHEEL, Role.HORN} & {*parts[i].roles}}
-        case = largest([parts[i] for i in members if i not in turned] or [parts[i] for i in members]).index
+        turning = {i for i in members if {Role.WHEEL, Role.HORN} & {*parts[i].roles}}
+        case = largest([parts[i] for i in members if i not in turning] or [parts[i] for i in members]).index
         if _is_bracket(survey, case, members) or (len(members) == 1 and not _is_block(survey, case)):
             continue
-        turned |= {i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))}
-        outputs = tuple(i for i in members if i in turned - {case} and Role.FASTENER not in parts[i].roles)
+        turning |= {i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))}
+        outputs = tuple(i for i in members if i in turning - {case} and Role.FASTENER not in parts[i].roles)
         motors.append(Motor(c.path, members, case, outputs))
     return motors
 
