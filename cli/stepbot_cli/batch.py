@@ -19,7 +19,7 @@ from .machine_output import junit_option, write_junit
 from .progress import bar, shown
 from .reading import description_options, reading_options, reject_descriptions, require_option
 from .table import RESULT, status_lines
-from .terminal import Display, show_diagnostics, wants_color, write_document, write_result
+from .terminal import Display, show_diagnostics, wants_color, write_document, write_result, write_verdict
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -192,9 +192,12 @@ def _report(diagnostics: Diagnostics, outcomes: "Sequence[Outcome]", output: Pat
         counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
         words = ", ".join(f"{n} {word}" for word, n in counts)
         write_result(f"{counted(len(outcomes), 'robot')} in {printable(output.as_posix())}: {words}")
-    show_diagnostics(diagnostics, display)
+    after_verdict = not outcomes and write_verdict("nothing converted", diagnostics, display)
+    show_diagnostics(diagnostics, display, after_verdict=after_verdict)
     for outcome in failed:
-        show_diagnostics([diagnostic for diagnostic in outcome.diagnostics if diagnostic.severity == "error"], display)
+        errors = [diagnostic for diagnostic in outcome.diagnostics if diagnostic.severity == "error"]
+        subject = f"{outcome.task.name}: not converted"
+        show_diagnostics(errors, display, after_verdict=write_verdict(subject, errors, display, stream=sys.stderr))
     if shown:
         write_result("\n".join(_table(outcomes)))
     return code

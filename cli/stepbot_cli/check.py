@@ -21,7 +21,7 @@ from .reading import (
     variant_option,
 )
 from .table import show_joint_rows, write_filled
-from .terminal import Display, show_diagnostics, write_document, write_result
+from .terminal import Display, show_diagnostics, write_document, write_result, write_verdict
 
 _MOST_LISTED = 6
 
@@ -110,7 +110,7 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
     options = options._replace(step=None if step in (None, _NAMED) else Path(str(step)), strict=False)
     diagnostics = Diagnostics()
     checked: dict[str, Checked] = {}
-    failed: set[str] = set()
+    failed: dict[str, Diagnostics] = {}
     named, sidecars = sidecars, tuple(find_sidecars(sidecars or (Path(),), diagnostics))
     reject_one_step_for_all(options.step, named, sidecars)
     open_step = fix or step is not None
@@ -129,7 +129,7 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
                 checked[label] = check(sidecar, options._replace(variant=variant), of_one, open_step=open_step)
                 if strict:
                     of_one.make_strict()
-                failed |= {label} if of_one.has_errors else set()
+                failed |= {label: of_one} if of_one.has_errors else {}
                 for one in of_one:
                     reported.setdefault(one, []).append(variant)
                 diagnostics.add_ignored(of_one.ignored)
@@ -151,7 +151,11 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: str | None, fi
         write_result(_difference(fixed))
     if display.shows_results:
         _show(checked, failed, display, open_step=open_step)
-    show_diagnostics(diagnostics, display, as_result=True)
+    if checked:
+        after_verdict = len(checked) == 1 and bool(failed) and display.shows_results  # of several, it is the sum
+    else:
+        after_verdict = write_verdict("nothing checked", diagnostics, display)
+    show_diagnostics(diagnostics, display, as_result=True, after_verdict=after_verdict)
     if open_step and len(sidecars) == 1 and not (diagnostics.has_errors or display != Display()):
         from shlex import quote
 
@@ -172,20 +176,23 @@ def _of_variants(diagnostic: Diagnostic, variants: list[str]) -> Diagnostic:
     return diagnostic._replace(notes=(*diagnostic.notes, f"variant{'s' * (len(variants) > 1)} {names}"))
 
 
-def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, *, open_step: bool) -> None:
-    """Print the verdict on each valid robot and its joints: all with -v, else the names of those on weak evidence."""
+def _show(
+    checked: "Mapping[str, Checked]", failed: Mapping[str, Diagnostics], display: Display, *, open_step: bool
+) -> None:
+    """Print the verdict on each robot and its joints: all with -v, else the names of those on weak evidence."""
     from stepbot.pipeline.conversion import is_description
 
     for label, robot in checked.items():
         name = printable(label)
-        if (robot.links or not robot.named) and label not in failed:
+        if label in failed:
+            then = "STEP not read, correct these first" if open_step and not robot.is_loaded else ""
+            write_verdict(f"{name}:", failed[label], display, then)
+        elif robot.links or not robot.named:
             several = f"{name}: " if len(checked) > 1 else ""
             read = open_step or is_description(Path(label))
             size = f"{counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}; STEP not read (--step)"
             size = size if robot.named else "modules not read (--step)"
             write_filled(f"{several}ok: {robot.robot if read else size}")
-        if open_step and not robot.is_loaded:
-            write_filled(f"{name}: STEP not read: correct the errors of the sidecar first")
         if display.verbose:
             show_joint_rows(robot.joint_table)
         elif any(row.evidence.doubt for row in robot.joint_table):

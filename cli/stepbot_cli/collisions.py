@@ -71,7 +71,8 @@ def command(options: "Options", target: Path, samples: int | None, srdf: Path | 
         pairs: dict[str, Any] | None = None if searched is None else self_collision_document(searched)
         name = None if robot is None else robot.name
         return write_document({"robot": name, "self_collision": pairs}, diagnostics)
-    show_diagnostics_of_use(diagnostics, display)
+    failed = "not searched" if searched is None else "no SRDF written"
+    show_diagnostics_of_use(diagnostics, display, f"{target.as_posix()}: {failed}")
     if robot is not None and searched is not None and display.shows_results:
         write_result("\n".join(_lines(robot.name, searched, verbose=display.verbose)))
     return diagnostics.exit_code

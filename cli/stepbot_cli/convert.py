@@ -25,7 +25,7 @@ from .reading import (
     variant_option,
 )
 from .table import show_joint_rows, show_table, write_filled
-from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics, write_json, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Conversion, Options
@@ -239,9 +239,9 @@ def run_conversion(
     driven = None
     with progress_bar((*CONVERSION, "drive") if drive else CONVERSION, options) as progress:
         conversion = convert(sidecar, options, progress)
-        # Before the drive tests: their findings move no file.
-        folder = failed_output(options.output) if conversion.diagnostics.has_errors else options.output
-        if drive and not conversion.diagnostics.has_errors:
+        failed = conversion.diagnostics.has_errors  # before the drive tests: their findings move no file
+        folder = failed_output(options.output) if failed else options.output
+        if drive and not failed:
             from stepbot.pipeline.driving import DriveOptions
             from stepbot.pipeline.driving import drive as drive_files
 
@@ -257,16 +257,29 @@ def run_conversion(
             document["drive"] = None if driven is None else driven_document(driven)
         write_json(document)
         return conversion.diagnostics.exit_code
+    if failed:
+        name = default_output(sidecar, options.variant).name
+        then = _left(options.output, wrote_beside=bool(conversion.files))
+        write_verdict(f"{name}: not converted", conversion.diagnostics, display, then)
     if display.shows_results:
         _show_verdict(conversion, display)
         if driven is not None:
             from .drive import driven_lines
 
             write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
-    show_diagnostics(conversion.diagnostics, display)
+    show_diagnostics(conversion.diagnostics, display, after_verdict=failed)
     if display.shows_results and conversion.files:
-        _show_files(conversion.files, folder, failed=conversion.diagnostics.has_errors)
+        _show_files(conversion.files, folder, failed=failed)
     return conversion.diagnostics.exit_code
+
+
+def _left(output: Path, *, wrote_beside: bool) -> str:
+    """What a conversion with errors did to its output folder."""
+    from stepbot.runtime.file import exists
+
+    if exists(output):
+        return f"{output.as_posix()} is unchanged"
+    return f"{output.as_posix()} is not written" if wrote_beside else "nothing is written"
 
 
 def _show_verdict(conversion: "Conversion", display: Display) -> None:
@@ -287,7 +300,7 @@ def _show_files(files: Iterable[str], folder: Path, *, failed: bool) -> None:
     """``19 files in arm: arm.urdf, ...``, and how to see the robot."""
     words = f"{counted(len(list(files)), 'file')} in {folder.as_posix()}"
     if failed:
-        write_filled(f"{words}, to look at; nothing else was changed")
+        write_filled(f"{words}, to look at")
     else:
         write_filled(f"{words}    see it: stepbot view {shlex.quote(folder.as_posix())}")
 

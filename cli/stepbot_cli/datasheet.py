@@ -52,7 +52,7 @@ def command(options: "Options", target: Path, display: Display) -> int:
 
         content = None if sheet is None else plain(sheet)
         return write_document({"datasheet": content}, diagnostics)
-    show_diagnostics_of_use(diagnostics, display)
+    show_diagnostics_of_use(diagnostics, display, f"{target.as_posix()}: no data sheet")
     if sheet is not None:
         write_result(printable("\n".join(_page(sheet))))
     return diagnostics.exit_code

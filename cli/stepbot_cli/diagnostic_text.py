@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from stepbot.diagnostics import Diagnostic, counted, source_lines
-from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes import CODES, Severity
 
 from .columns import cells, shortened
 
@@ -56,12 +56,14 @@ def screen(
     color: bool = False,
     width: int | None = None,
     counts: bool = True,
+    after_verdict: bool = False,
 ) -> str:
     """The default output: findings of one cause as one, the first of each code in full, and the counts; no notes.
 
     Args:
         width: Width of the screen; None if unknown, for lines that are not truncated.
         counts: Whether to end with the number of each severity.
+        after_verdict: Whether a verdict has counted errors and warnings already.
     """
     causes = _by_cause(diagnostic for diagnostic in diagnostics if diagnostic.severity != "note")
     in_full, brief, folded = _sorted_out([_with_fewer_names(one) for one in causes])
@@ -71,7 +73,7 @@ def screen(
     if counts:
         in_part = brief or folded or any(len(one.notes) > MOST_NOTES or _NAMES.search(one.message) for one in causes)
         all_shown = not in_part and len(causes) == len(diagnostics)
-        lines.append(summary(diagnostics, all_shown=all_shown, ignored=ignored))
+        lines.append(summary(diagnostics, all_shown=all_shown, ignored=ignored, after_verdict=after_verdict))
     return "\n".join(lines).rstrip()
 
 
@@ -190,17 +192,31 @@ def plain(diagnostic: Diagnostic) -> dict[str, Any]:
     }
 
 
+def counts_of(diagnostics: Iterable[Diagnostic], *severities: Severity) -> str:
+    """``2 errors, 1 warning``: how many diagnostics there are of these severities; empty without any."""
+    numbers = Counter(diagnostic.severity for diagnostic in diagnostics)
+    return ", ".join(counted(numbers[severity], severity) for severity in severities if numbers[severity])
+
+
 def summary(
-    diagnostics: Iterable[Diagnostic], *, all_shown: bool = True, ignored: int = 0, explain: bool = True
+    diagnostics: Iterable[Diagnostic],
+    *,
+    all_shown: bool = True,
+    ignored: int = 0,
+    explain: bool = True,
+    after_verdict: bool = False,
 ) -> str:
-    """``2 errors, 1 warning``, and how to learn more, or see all of them."""
+    """``2 errors, 1 warning``, and how to learn more, or see all of them; after a verdict, what to do next."""
     shown = list(diagnostics)
-    counts = [(kind, sum(d.severity == kind for d in shown)) for kind in ("error", "warning", "note")]
-    text = ", ".join(counted(n, kind) for kind, n in counts if n)
+    text = counts_of(shown, *(("note",) if after_verdict else ("error", "warning", "note")))
     text = ", ".join(filter(None, (text, f"{ignored} ignored" if ignored else "")))
     codes = [CODES[d.code].id for severity in ("error", "warning") for d in shown if d.severity == severity]
-    ways = [f"more: stepbot explain {codes[0]}"] if codes and explain else []
-    ways += [] if all_shown else ["-v shows all"]
+    more = f"stepbot explain {codes[0]}" if codes and explain else ""
+    hidden = "" if all_shown else "-v shows all"
+    if after_verdict:
+        rest = f"{text} ({hidden})" if text and hidden else text or hidden
+        return "    ".join(filter(None, (f"next: {more}" if more else "", rest)))
+    ways = [*([f"more: {more}"] if more else []), *([hidden] if hidden else [])]
     return f"{text} ({'; '.join(ways)})" if ways else text
 
 

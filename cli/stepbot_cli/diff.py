@@ -17,7 +17,7 @@ from .diagnostic_text import paint, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, report_trouble
-from .terminal import Display, screen_width, show_diagnostics, wants_color, write_document, write_result
+from .terminal import Display, screen_width, show_diagnostics, wants_color, write_document, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -77,7 +77,10 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, display: D
         diagnostics.extend(_annotation(row, new) for row in (differences.rows if differences is not None else ()))
         show_diagnostics(diagnostics, display)
         return exit_code
-    show_diagnostics(diagnostics, display)
+    subject = f"{new.as_posix()}: not compared with {old.as_posix()}" if differences is None else "compared in part"
+    show_diagnostics(
+        diagnostics, display, after_verdict=write_verdict(subject, diagnostics, display, stream=sys.stderr)
+    )
     if differences is not None and markdown:
         write_result(_markdown(differences))
     elif differences is not None and not display.quiet:

@@ -163,5 +163,5 @@ def command(
         return write_document({**document, "plots": drawn}, diagnostics)
     if driven is not None and display.shows_results:
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
-    show_diagnostics_of_use(diagnostics, display)
+    show_diagnostics_of_use(diagnostics, display, f"{target.as_posix()}: not driven" if driven is None else "")
     return diagnostics.exit_code

@@ -19,7 +19,7 @@ from .convert import default_output
 from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, report_trouble
-from .terminal import Display, show_diagnostics, write_document, write_result
+from .terminal import Display, show_diagnostics, write_document, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.draft.draft import Alternative, Draft, DraftClosure, DraftJoint, Question
@@ -380,5 +380,7 @@ def _show_result(
         return write_document(document, diagnostics)
     if draft is not None and not diagnostics.has_errors and display.shows_results:
         write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
-    show_diagnostics(diagnostics, display)
+    then = f"{sidecar.as_posix()} is unchanged" if exists(sidecar) else "nothing is written"
+    after_verdict = write_verdict(f"{step.as_posix()}: not drafted", diagnostics, display, then)
+    show_diagnostics(diagnostics, display, after_verdict=after_verdict)
     return diagnostics.exit_code

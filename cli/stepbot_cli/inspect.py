@@ -10,7 +10,7 @@ from .command import PATH, Command, display_options
 from .progress import progress_bar
 from .reading import reading_options, report_trouble, variant_option
 from .render import checked_picture_name, picture_lines, require_packages, write_picture
-from .terminal import Display, screen_width, show_diagnostics, write_document, write_result
+from .terminal import Display, screen_width, show_diagnostics, write_document, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.diagnostics import Diagnostics
@@ -103,7 +103,9 @@ def command(
         if picture is not None:
             document["picture"] = None if drawn is None else picture.as_posix()
         return write_document(document, diagnostics)
-    show_diagnostics(diagnostics, display)
+    incomplete = "not read" if inspection.assembly is None else "read in part"
+    after_verdict = write_verdict(f"{step.as_posix()}: {incomplete}", diagnostics, display)
+    show_diagnostics(diagnostics, display, after_verdict=after_verdict)
     if inspection.assembly is not None and display.shows_results:
         choice = Choice(depth, glob, folded=not (unfold or features))
         write_result(_text(inspection, between, choice, features=features, tree=tree, verbose=display.verbose))

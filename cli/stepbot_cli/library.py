@@ -16,7 +16,16 @@ from .columns import aligned, table_lines
 from .command import PATH, Command, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import require_option, working_options
-from .terminal import Display, screen_width, show_diagnostics, text_width, write_document, write_json, write_result
+from .terminal import (
+    Display,
+    screen_width,
+    show_diagnostics,
+    text_width,
+    write_document,
+    write_json,
+    write_result,
+    write_verdict,
+)
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -105,7 +114,7 @@ def export(
 
 def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int:
     """Write the drawing, the sidecar and its schema; if a different file of such a name exists, nothing is written."""
-    files, diagnostics = robot.source(), Diagnostics()
+    files, diagnostics, then = robot.source(), Diagnostics(), "nothing is written"
     help = ["choose another folder with -o DIR"]
     for name, content in files.items():
         path = folder / name
@@ -121,11 +130,13 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
         except OSError as error:
             message, place = f"cannot write: {error.strerror or error}", Span(str(error.filename or folder))
             diagnostics.add("SB004", message, place, help=help)
+            then = ""  # some may be
     if display.json:
         written = [] if diagnostics.has_errors else sorted(files)
         return write_document({"output": folder.as_posix(), "files": written}, diagnostics)
     if diagnostics.has_errors:
-        show_diagnostics(diagnostics, display)
+        write_verdict(f"{robot.short_name}: not exported", diagnostics, display, then)
+        show_diagnostics(diagnostics, display, after_verdict=display.shows_results)
     else:
         write_result("\n".join((folder / name).as_posix() for name in files))
         write_result(f"next: stepbot view {shlex.quote((folder / robot.sidecar.name).as_posix())}")

@@ -13,7 +13,7 @@ from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import reading_options, reject_descriptions, reject_one_step_for_all, report_trouble, variant_option
-from .terminal import Display, show_diagnostics, write_document, write_result
+from .terminal import Display, show_diagnostics, write_document, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -61,7 +61,8 @@ def command(options: "Options", sidecars: tuple[Path, ...], step: Path | None, d
     if display.json:
         files = [{"lock": path.as_posix(), **_counts(taken)} for path, taken in written.items()]
         return write_document({"files": files}, diagnostics)
-    show_diagnostics(diagnostics, display)
+    subject = f"{counted(len(written), 'lock file')} written:"
+    show_diagnostics(diagnostics, display, after_verdict=write_verdict(subject, diagnostics, display))
     if display.shows_results:
         for path, taken in written.items():
             words = ", ".join(counted(number, noun.removesuffix("s")) for noun, number in _counts(taken).items())

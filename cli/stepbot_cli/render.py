@@ -322,7 +322,7 @@ def _report(
             "unlabelled": [] if picture is None else list(picture.unlabelled),
         }
         return write_document(document, diagnostics)
-    show_diagnostics_of_use(diagnostics, display)
+    show_diagnostics_of_use(diagnostics, display, f"{path.as_posix()}: not drawn")
     if picture is not None and written and not display.quiet:
         write_result("\n".join(picture_lines(path, picture, sheet.labels)))
     return diagnostics.exit_code

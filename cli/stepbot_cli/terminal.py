@@ -93,10 +93,40 @@ class Display(NamedTuple):
 _DEFAULT = Display()
 
 
+def write_verdict(
+    subject: str, diagnostics: Iterable[Diagnostic], display: Display, then: str = "", *, stream: TextIO | None = None
+) -> bool:
+    """Print ``arm: not converted, 3 errors, 1 warning; arm is unchanged``, if there are errors; returns whether it did.
+
+    Args:
+        subject: What failed, and how: ``arm: not converted``.
+        then: What became of the files; empty if it goes without saying.
+        stream: Where to; None for standard output.
+    """
+    findings = list(diagnostics)
+    if not display.shows_results or all(one.severity != "error" for one in findings):
+        return False
+    from .table import filled
+
+    counts = diagnostic_text.counts_of(findings, "error", "warning")
+    text = f"{subject}{' ' if subject.endswith(':') else ', '}{counts}{f'; {then}' if then else ''}"
+    to = stream or sys.stdout
+    _write(to, "\n".join(filled(diagnostic_text.printable(text), screen_width(to))))
+    return True
+
+
 def show_diagnostics(
-    diagnostics: Iterable[Diagnostic], display: Display = _DEFAULT, *, as_result: bool = False
+    diagnostics: Iterable[Diagnostic],
+    display: Display = _DEFAULT,
+    *,
+    as_result: bool = False,
+    after_verdict: bool = False,
 ) -> None:
-    """Print diagnostics and their numbers, to standard output if they are the command's result."""
+    """Print diagnostics and their numbers, to standard output if they are the command's result.
+
+    Args:
+        after_verdict: Whether a verdict has counted errors and warnings already.
+    """
     shown = [diagnostic for diagnostic in diagnostics if not (display.quiet and diagnostic.severity == "note")]
     if display.machine:
         from .machine_output import FORMATS
@@ -114,14 +144,19 @@ def show_diagnostics(
         return
     if display.verbose:
         text = diagnostic_text.full(shown, color=color, width=width or diagnostic_text.FRAME_WIDTH)
-        _write(stream, "\n\n".join(filter(None, (text, diagnostic_text.summary(shown, ignored=ignored)))))
+        closing = diagnostic_text.summary(shown, ignored=ignored, after_verdict=after_verdict)
+        _write(stream, "\n\n".join(filter(None, (text, closing))))
         return
-    counts = not display.quiet
-    _write(stream, diagnostic_text.screen(shown, ignored=ignored, color=color, width=width, counts=counts))
+    _write(
+        stream,
+        diagnostic_text.screen(
+            shown, ignored=ignored, color=color, width=width, counts=not display.quiet, after_verdict=after_verdict
+        ),
+    )
 
 
-def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display) -> None:
-    """Print diagnostics of a command that builds a robot to use it.
+def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display, subject: str = "") -> None:
+    """Print diagnostics of a command that builds a robot to use it, below a verdict if its subject failed.
 
     Notes about sidecar, STEP file and robot are those of ``check`` and ``convert``; only ``--verbose`` repeats them.
     """
@@ -132,7 +167,7 @@ def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display) -> None:
         if display.verbose or diagnostic.severity != "note" or not _is_of_conversion(diagnostic.code)
     )
     shown.add_ignored(diagnostics.ignored)
-    show_diagnostics(shown, display)
+    show_diagnostics(shown, display, after_verdict=bool(subject) and write_verdict(subject, shown, display))
 
 
 def _is_of_conversion(code: str) -> bool:

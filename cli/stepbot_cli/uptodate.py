@@ -22,7 +22,7 @@ from .convert import (
 from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import description_options, metadata_options, reading_options, report_trouble
-from .terminal import Display, show_diagnostics, write_document, write_result
+from .terminal import Display, show_diagnostics, write_document, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -89,7 +89,8 @@ def command(
     report_trouble(options.cache, diagnostics)
     if display.json:
         return write_document({"files": [path.as_posix() for path in paths]}, diagnostics)
-    show_diagnostics(diagnostics, display, as_result=True)
+    after_verdict = write_verdict(f"{counted(compared, 'output folder')} compared:", diagnostics, display)
+    show_diagnostics(diagnostics, display, as_result=True, after_verdict=after_verdict)
     if display.shows_results and not diagnostics.has_errors:
         write_result(f"ok: {counted(compared, 'output folder')} up to date")
     return diagnostics.exit_code

@@ -11,7 +11,7 @@ from .machine_output import junit_option, output_format_option, write_junit
 from .progress import progress_bar
 from .reading import limit_options, package_path_option, require_option
 from .table import show_joint_rows, show_table, write_filled
-from .terminal import Display, show_diagnostics, write_document, write_result
+from .terminal import Display, show_diagnostics, write_document, write_result, write_verdict
 
 
 @click.command(cls=Command, epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco")
@@ -67,7 +67,8 @@ def command(
         if display.verbose:
             show_joint_rows(report.joint_table)
             show_table(report)
-    show_diagnostics(diagnostics, display)
+    after_verdict = not shown and write_verdict(f"{files[0].as_posix()}: not verified", diagnostics, display)
+    show_diagnostics(diagnostics, display, after_verdict=after_verdict)
     if shown and not display.verbose:
         write_result("joints, engines and deviations: -v; every check: --json")
     return diagnostics.exit_code

@@ -16,7 +16,7 @@ from .diagnostic_text import printable
 from .limits import interruptible
 from .progress import progress_bar
 from .reading import report_trouble, working_options
-from .terminal import Display, show_diagnostics, write_document, write_json, write_result
+from .terminal import Display, show_diagnostics, write_document, write_json, write_result, write_verdict
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Conversion, Options
@@ -117,7 +117,7 @@ def _sessions(
 def _refuse(diagnostics: Diagnostics, display: Display) -> int:
     if display.json:
         return write_document({"urls": {}}, diagnostics)
-    show_diagnostics(diagnostics, display)
+    show_diagnostics(diagnostics, display, after_verdict=write_verdict("not watched", diagnostics, display))
     return diagnostics.exit_code
 
 

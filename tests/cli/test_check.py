@@ -36,7 +36,7 @@ def test_each_of_several_sidecars_is_ok_or_not(arm: Path, stepbot: Stepbot) -> N
 
 
 def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
-    """Two errors in one file are reported together, each with its code frame, and counted."""
+    """Two errors in one file are reported together, each with its code frame, below the verdict that counts them."""
     damage(arm / "arm2.robot.yaml", "base: fixed", "base: fixxed")
     damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "arm2.robot.yaml")
@@ -44,14 +44,17 @@ def test_all_faults_at_once_with_frames(arm: Path, stepbot: Stepbot) -> None:
     assert "arm2.robot.yaml:6:7: error[" in run.out
     assert "6 | base: fixxed" in run.out
     assert "did you mean 'forearm'?" in run.out
-    assert "2 errors" in run.out.splitlines()[-1]
+    assert run.out.startswith("arm2.robot.yaml: 2 errors\n")
+    assert run.out.count("2 errors") == 1
+    assert run.out.splitlines()[-1].startswith("next: stepbot explain SB")
+    assert stepbot("check", "arm2.robot.yaml", "-q").out.startswith("arm2.robot.yaml:6:7: error[")
 
 
 def test_errors_of_a_sidecar_keep_its_step_from_being_read(arm: Path, stepbot: Stepbot) -> None:
     """What `--step` asks for was not done: the output states it, so that nobody waits for findings of the CAD."""
     damage(arm / "arm2.robot.yaml", "child: forearm", "child: forarm")
     run = stepbot("check", "--step", "arm2.robot.yaml")
-    assert run.out.startswith("arm2.robot.yaml: STEP not read: correct the errors of the sidecar first\n")
+    assert run.out.startswith("arm2.robot.yaml: 1 error; STEP not read, correct these first\n")
     assert "STEP not read" not in stepbot("check", "arm2.robot.yaml").out
     damage(arm / "arm2.robot.yaml", "child: forarm", "child: forearm")
     (arm / "arm2.step").unlink()

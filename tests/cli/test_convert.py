@@ -152,7 +152,7 @@ def test_error_leaves_the_former_output(
     assert message in run.err
     assert "Traceback" not in run.err
     assert snapshot(out) == {"arm2.urdf": b"former"}
-    assert run.out == ""
+    assert re.fullmatch(r"arm2: not converted, \d errors?; out is unchanged\n", run.out)
 
 
 @pytest.mark.parametrize(
@@ -207,6 +207,7 @@ def test_output_that_cannot_be_written(arm: Path, stepbot: Stepbot) -> None:
     assert run.code == 2
     assert "error[SB004]" in run.err
     assert (arm / "out").read_text(encoding="utf-8") == "a file"
+    assert run.out == "arm2: not converted, 1 error; out is unchanged\n"
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no permissions of POSIX on this system")
@@ -222,9 +223,11 @@ def test_unwritable_output_is_found_before_the_work(
         (arm / "out").mkdir()
         monkeypatch.setattr(os, "access", lambda path, mode: not (mode & os.W_OK and Path(path).name == "out"))
     before = snapshot(arm)
-    for command in (("convert", "no.robot.yaml"), ("batch", ".")):
+    verdicts = {("convert", "no.robot.yaml"): "no: not converted", ("batch", "."): "nothing converted"}
+    for command, verdict in verdicts.items():
         run = stepbot(*command, "-o", output)
-        assert (run.code, run.out) == (2, "")
+        assert run.code == 2
+        assert run.out.startswith(f"{verdict}, 1 error")
         assert run.err.count("error[SB004]") == run.err.count("error[") == 1
         assert "'out'" in run.err.replace(str(arm) + os.sep, "")
     assert snapshot(arm) == before

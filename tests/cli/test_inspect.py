@@ -289,7 +289,7 @@ def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
     (arm / "no.step").write_text("hello\n", encoding="utf-8")
     run = stepbot("inspect", "no.step")
     assert run.code in (1, 2)
-    assert run.out == ""
+    assert run.out == "no.step: not read, 1 error\n"
     assert "no.step:1:1: error[SB201]: is not a STEP file" in run.err
     document = json.loads(stepbot("inspect", "no.step", "--json").out)
     assert document["exit_code"] == run.code

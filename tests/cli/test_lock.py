@@ -264,7 +264,7 @@ def test_errors_of_modules_are_reported_by_lock(lever: Revision, stepbot: Stepbo
     assert run.code == 1
     assert "bad.robot.yaml" in run.err
     assert "SB301" in run.err
-    assert run.out.startswith("lever.lock.json: ")
+    assert run.out.startswith("1 lock file written: 2 errors\nlever.lock.json: ")
     assert not Path("bad.lock.json").exists()
     Path("post.urdf").write_text(POST, encoding="utf-8")
     text = "version: 1\nrobot: r\nmodules: {a: {file: post.urdf}, b: {file: 'library:2f85', at: a/post}}\n"
