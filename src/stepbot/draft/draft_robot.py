@@ -131,7 +131,6 @@ _ROUGHLY = 3.0
 """How far a screw may be from turned, in tolerances of a turned part."""
 _SCREW = 2e-3
 """Share of the volume below which a part that turns about its own axis of symmetry is taken for a fastener."""
-_TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 _NAMED = 3
 """Number of guessed parts of a link that are listed for each reason."""
 

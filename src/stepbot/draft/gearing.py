@@ -11,9 +11,8 @@ from stepbot.draft.evidence.gears import SAME_GEAR, mesh_between
 from stepbot.draft.inference import InferredMechanism
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.geometry.spatial import ZERO3
+from stepbot.robot.joint_types import HINGES
 from stepbot.robot.model import JointKind, Mimic
-
-_TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 
 def geared(
@@ -25,7 +24,7 @@ def geared(
         joints: The same as drafted, without mimics.
     """
     made = list(joints)
-    turning = [n for n, joint in enumerate(made) if joint.type in _TURNING and joint.confidence.is_chosen]
+    turning = [n for n, joint in enumerate(made) if joint.type in HINGES and joint.confidence.is_chosen]
     turning.sort(key=lambda n: (not tree[n].evidence.drives, n))
     for k, leader in enumerate(turning):
         for n in turning[k + 1 :] if made[leader].mimic is None else ():

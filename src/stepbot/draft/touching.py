@@ -14,6 +14,7 @@ from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.inertia import vector
 from stepbot.geometry.spatial import ZERO3, Array, perpendicular_frame
+from stepbot.robot.joint_types import HINGES
 from stepbot.robot.model import JointKind
 from stepbot.sidecar.contact import ContactMaterial
 from stepbot.step.assembly import Assembly
@@ -30,7 +31,6 @@ _ROLLERS = 3
 """Number of links on a wheel from which they are its rollers."""
 _LIMB = 2
 """Number of joints between the root and a foot."""
-_TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 
 def contacts_of(draft: Draft, assembly: Assembly) -> tuple[DraftContact, ...]:
@@ -65,7 +65,7 @@ class _Touching:
         for name, joint in self._moving.items():
             axle = np.array(joint.direction or ZERO3)
             corners = self._points([name, *self._rollers(name)])
-            is_level = joint.written in _TURNING and abs(float(axle @ self._up)) < _LEVEL
+            is_level = joint.written in HINGES and abs(float(axle @ self._up)) < _LEVEL
             if not is_level or not len(corners) or self._rollers(joint.parent):
                 continue
             spokes = (corners - joint.point) @ perpendicular_frame(axle)[:, :2]

@@ -212,9 +212,7 @@ class Session:
         if shown is None or shown.assembly is None:
             return {}
         assembly = shown.assembly
-        index = next(
-            (component.index for component in assembly.components if component.path == question.get("component")), None
-        )
+        index = assembly.index_of.get(str(question.get("component")))
         triangle = _triangle(question.get("triangle"))
         if index is None or assembly.components[index].body < 0 or triangle is None:
             raise Refused("no such face")

@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_angle, vector3
-from stepbot.robot.joint_types import HINGES, PAIRS
+from stepbot.robot.joint_types import HINGES, PAIRS, kinds_with
 
 from .naming import Naming, steps_of
 
@@ -60,7 +60,7 @@ def direction(twist: Array) -> tuple[float, float, float]:
     return vector3(w / np.linalg.norm(w))
 
 
-_SEVERAL = frozenset({"ball", "universal", "screw", "cylindrical", "planar", "floating"})
+_SEVERAL = frozenset(kinds_with(is_pair=False)) - {"fixed"}
 """Types of joints that formats represent differently."""
 PARALLEL = 1e-9
 """Largest sine of the angle between directions that count as parallel."""

@@ -8,12 +8,13 @@ from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint
 from stepbot.geometry.spatial import vector3
+from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
 from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
 
-_KINDS = frozenset({"revolute", "continuous", "prismatic", "screw", "ball", "universal"})
+_KINDS = frozenset((*kinds_with(coordinates=1), *kinds_with(about="point")))
 """Types of joints with coordinates of these names in the engines."""
 
 
