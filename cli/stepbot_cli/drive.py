@@ -1,7 +1,8 @@
 """``stepbot drive``: move a robot by its actuators in MuJoCo and PyBullet, and judge how it behaves."""
 
+import shlex
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,14 +45,29 @@ def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) 
     if verbose:
         for verdict in driven.verdicts:
             lines += filled(f"{verdict.test} in {verdict.engine}: {', '.join(_numbers(verdict))}", width)
-    for test, reason in driven.inapplicable.items():
-        lines += filled(f"{test} does not apply: {printable(reason)}", width)
+    for text in _inapplicable(driven.inapplicable, verbose=verbose):
+        lines += filled(printable(text), width)
     for one in driven.ranges:
         if one.share < _ALL:
             lines += filled(f"sweep covers {_covered(one)}", width)
     for engine, reason in driven.not_run.items():
         lines += filled(f"not run in {engine}: {printable(reason)}", width)
     return lines
+
+
+def _inapplicable(reasons: Mapping[str, str], *, verbose: bool) -> Iterator[str]:
+    """The tests that do not apply: those of one reason, or all of them unless verbose, in one line."""
+    names_of: dict[str, list[str]] = {}
+    for name, reason in reasons.items():
+        names_of.setdefault(reason, []).append(name)
+    tests = [name for name in reasons if name in TESTS]
+    if not verbose and len({reasons[name] for name in tests}) > 1:
+        yield f"do not apply: {', '.join(tests)} (-v shows why)"
+        names_of = {reason: [name for name in names if name not in TESTS] for reason, names in names_of.items()}
+    for reason, names in names_of.items():
+        if not names:
+            continue
+        yield f"{', '.join(names)} {'does' if len(names) == 1 else 'do'} not apply: {reason}"
 
 
 def _covered(one: "SweptRange") -> str:
@@ -137,8 +153,8 @@ def command(
     """Move the robot of TARGET by its actuators in MuJoCo and PyBullet, and compare its behaviour with limits.
 
     TARGET is a sidecar, a folder that `stepbot convert` wrote, or an MJCF or URDF in such a folder. The files are
-    driven as they are; a floor or a cube is added around the robot. Tests that do not apply, and an engine that is not
-    installed, are listed with the reason.
+    driven as they are; a floor or a cube is added around the robot. Tests that do not apply are listed, with -v each
+    with its reason, and so is an engine that is not installed.
     """
     from stepbot.pipeline.driving import DriveOptions, drive
 
@@ -163,5 +179,8 @@ def command(
         return write_document({**document, "plots": drawn}, diagnostics)
     if driven is not None and display.shows_results:
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
-    show_diagnostics_of_use(diagnostics, display, f"{target.as_posix()}: not driven" if driven is None else "")
+    failed = f"{target.as_posix()}: not driven" if driven is None else ""
+    show_diagnostics_of_use(diagnostics, display, failed, after_verdict=driven is not None and display.shows_results)
+    if driven is not None and display.shows_results and not diagnostics.has_errors:
+        write_result(f"each number: -v    next: stepbot datasheet {printable(shlex.quote(target.as_posix()))}")
     return diagnostics.exit_code

@@ -155,7 +155,9 @@ def show_diagnostics(
     )
 
 
-def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display, subject: str = "") -> None:
+def show_diagnostics_of_use(
+    diagnostics: Diagnostics, display: Display, subject: str = "", *, after_verdict: bool = False
+) -> None:
     """Print diagnostics of a command that builds a robot to use it, below a verdict if its subject failed.
 
     Notes about sidecar, STEP file and robot are those of ``check`` and ``convert``; only ``--verbose`` repeats them.
@@ -167,7 +169,8 @@ def show_diagnostics_of_use(diagnostics: Diagnostics, display: Display, subject:
         if display.verbose or diagnostic.severity != "note" or not _is_of_conversion(diagnostic.code)
     )
     shown.add_ignored(diagnostics.ignored)
-    show_diagnostics(shown, display, after_verdict=bool(subject) and write_verdict(subject, shown, display))
+    after_verdict = after_verdict or (bool(subject) and write_verdict(subject, shown, display))
+    show_diagnostics(shown, display, after_verdict=after_verdict)
 
 
 def _is_of_conversion(code: str) -> bool:

@@ -77,7 +77,20 @@ def test_one_file_and_one_test(folder: Path, stepbot: Stepbot) -> None:
     lines = run.out.splitlines()
     assert [line.split()[:3] for line in lines[2:4]] == [["hold", "mujoco", "passed"], ["step", "mujoco", "passed"]]
     assert lines[0] == "driven: 2 tests: 2 passed, 0 failed"
-    assert any(line.startswith("roll does not apply: no velocity actuator") for line in lines)
+    assert re.fullmatch(r"do not apply: .*roll.* \(-v shows why\)", lines[4])
+    assert lines[-1] == "each number: -v    next: stepbot datasheet arm/one_joint.xml"
+    verbose = stepbot("drive", "arm/one_joint.xml", "--test", "step,hold", "--engine", "mujoco", "-v").out.splitlines()
+    assert any(line.startswith("roll does not apply: no velocity actuator") for line in verbose)
+
+
+def test_a_robot_without_actuators_falls(folder: Path, stepbot: Stepbot) -> None:
+    """Its other tests have one reason, and so one line."""
+    written(replace(one_joint(VERTICAL, 1.0), actuators=()), folder / "limp")
+    run = stepbot("drive", "limp", "--engine", "mujoco")
+    assert run.code == 0, run.err
+    (line,) = (line for line in run.out.splitlines() if "apply" in line)
+    assert line.startswith("hold, step, track, ")
+    assert line.endswith(" do not apply: the robot has no actuators")
 
 
 def test_warnings_of_the_engine_leave_no_file(folder: Path, stepbot: Stepbot) -> None:
@@ -194,7 +207,7 @@ def test_without_pybullet_the_result_says_so(
     ]
     lines = stepbot("drive", "gripper", "--test", "hold,grip").out.splitlines()
     assert lines[0] == "driven: 2 tests: 2 passed, 0 failed; not run in pybullet"
-    assert lines[-1] == "not run in pybullet: pybullet is not installed"
+    assert lines[-2] == "not run in pybullet: pybullet is not installed"
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify", "--drive", "--json")
     assert json.loads(run.out)["drive"]["not_run"] == {"pybullet": "pybullet is not installed"}
     assert run.code == 0
@@ -279,7 +292,7 @@ def test_columns_line_up_and_limits_have_units(folder: Path, stepbot: Stepbot) -
     _, head, *rows = (
         line
         for line in stepbot("drive", "gripper", "--engine", "mujoco", "--test", "hold,step,grip").out.splitlines()
-        if "does not apply" not in line
+        if "apply" not in line and "next: " not in line
     )
     end = head.index("steps/s") + len("steps/s")
     assert all(row[:end].rstrip() == row[:end] and row[end : end + 2] == "  " for row in rows), rows

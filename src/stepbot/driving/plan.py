@@ -25,6 +25,8 @@ def reasons(
     servo = "" if ActuatorKind.POSITION in kinds else "no position actuator"
     limited = any(isfinite(motor.limit.effort) for motor in mechanism.motors)
     moving = "" if mechanism.home else "no moving joint"
+    if not (mechanism.motors or survey.misses):
+        return {**dict.fromkeys(TESTS, "the robot has no actuators"), "drop": moving}
     no_grasp = _no_grasp(mechanism, survey) if mjcf else "needs the MJCF and MuJoCo, in which grasps are found"
     return {
         "hold": servo,

@@ -85,7 +85,9 @@ def test_every_test_that_does_not_apply_has_a_reason() -> None:
 
 def test_fingers_that_grip_nothing_are_named_with_the_reason() -> None:
     """A robot without fingers has a general reason, one whose fingers cannot grip has that of each pair."""
-    mechanism = mechanism_of(one_joint(VERTICAL), ())
+    limp = reasons(mechanism_of(one_joint(VERTICAL), ()), NOTHING, None, (), mjcf=True)
+    assert {test for test, why in limp.items() if why == "the robot has no actuators"} == {*TESTS} - {"drop"}
+    mechanism = mechanism_of(one_joint(VERTICAL, 10.0), ())
     assert "no two links" in reasons(mechanism, NOTHING, None, (), mjcf=True)["grip"]
     surveyed = replace(NOTHING, misses={"thumb": "too short", "index": "not opposite", "ring": "too short"})
     assert reasons(mechanism, surveyed, None, (), mjcf=True)["grip"] == "thumb, ring: too short; index: not opposite"
