@@ -1,6 +1,7 @@
 """Infers links, joints and closures from an assembly, to draft a sidecar."""
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from msgspec import Struct, field
@@ -23,6 +24,8 @@ from stepbot.draft.mechanism.joints import Mechanism
 from stepbot.draft.mechanism.locked import (
     JointKey,
     choose_slides,
+    held_joints,
+    hold,
     missing_joints,
     note_doubts,
     one_per_pair,
@@ -38,6 +41,10 @@ from stepbot.step.assembly import Assembly
 
 _FEWEST_TRIES, _TRIED_PARTS = 3, 4000
 """Joints that are tried in loops that cannot move: at least, and the parts of all tries together."""
+
+
+_MOST_HELD = 6
+"""Number of times that joints which are none are left out: others may be the last ones then."""
 
 
 class InferredMechanism(Struct, frozen=True, eq=False):
@@ -78,12 +85,18 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> InferredMechanism:
     repeats = repeated_joints(inferred.survey, joints, inferred.links)
     if needed or repeats:
         inferred = _infer(survey, facts, needed, repeats)
+    held: dict[JointKey, str] = {}
+    for _ in range(_MOST_HELD):
+        if not (more := held_joints(inferred.survey, inferred.arcs, inferred.links)):
+            break
+        held |= more
+        inferred = _infer(survey, facts, needed, repeats, held)
     # Each try infers everything again: the work is bounded by the number of parts.
     left = max(_FEWEST_TRIES, _TRIED_PARTS // max(1, len(survey.parts)))
     while stuck := locked_arcs(inferred.arcs):
         for key in missing_joints(inferred.arcs, inferred.offered, inferred.links, stuck)[:left]:
             left -= 1
-            tried = _infer(survey, facts, {**needed, key: locked.REVIEW}, repeats)
+            tried = _infer(survey, facts, {**needed, key: locked.REVIEW}, repeats, held)
             if len(locked_arcs(tried.arcs)) < len(stuck):
                 needed[key] = locked.REVIEW
                 inferred = tried
@@ -94,7 +107,11 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> InferredMechanism:
 
 
 def _infer(
-    survey: Survey, facts: Facts, needed: Mapping[JointKey, str], repeats: Sequence[JointEvidence] = ()
+    survey: Survey,
+    facts: Facts,
+    needed: Mapping[JointKey, str],
+    repeats: Sequence[JointEvidence] = (),
+    held: Mapping[JointKey, str] = MappingProxyType({}),
 ) -> InferredMechanism:
     motors, evidence = find_motors(survey), Evidence()
     fact_evidence(survey, facts, evidence)
@@ -106,7 +123,8 @@ def _infer(
     structure: Structure = given["structure"]
     for hinge in repeats:
         evidence.joint(replace(hinge))
-    promote(evidence, needed)
+    promote(evidence, {key: review for key, review in needed.items() if key not in held})
+    hold(evidence, held)
     made = decide(survey, motors, evidence)
     pivots = lone_pivots(made, structure)
     tie_by_seams(made)

@@ -8,7 +8,7 @@ import pytest
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import JointEvidence
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.mechanism.locked import note_doubts
+from stepbot.draft.mechanism.locked import held_joints, note_doubts
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
@@ -102,3 +102,26 @@ def test_disc_in_no_loop_is_one_with_the_plate() -> None:
     """Without block and rod, nothing shows that the disc turns."""
     nodes = crank_slider(40.0, 200.0)
     assert links(inferred(*nodes[:2], sources=BARE)) == [{"base", "disc"}]
+
+
+@pytest.mark.parametrize("is_needed", [False, True])
+def test_one_screw_clamps_a_bracket_whose_loop_moves_without_it(is_needed: bool) -> None:
+    """A bracket on one screw turns only if the four-bar that it carries a hinge of needs it as its fourth hinge."""
+    plate = box(200, 60, 10).at(0, 0, -5) - cylinder(2.5, 10).at(0, 0, -10)
+    screw = cylinder(2.5, 14).at(0, 0, -8) + cylinder(5, 4).at(0, 0, 6)
+    bracket = box(30, 20, 6).at(0, 0, 3) - cylinder(2.75, 6)
+    survey = Survey(assembled(part("plate", plate), part("bracket", bracket), part("M5 screw", screw)), ALL_SOURCES)
+    relation = survey.relation(1, 2)
+    assert relation is not None
+    assert relation.axis is not None
+    why = "the only line that holds both"
+    hinge = JointEvidence(0.72, 1, 2, JointKind.REVOLUTE, relation.axis, why, relation, of_linkage=True)
+    corners = [(0.1, 0.0), (0.1, 0.1), (0.03, 0.1)][: 3 if is_needed else None]
+    chain = [(1, 3), (3, 4), (4, 2)]
+    bars = [arc(a, b, x, y, closure=b == 2) for (a, b), (x, y) in zip(chain, corners, strict=True)]
+    if not is_needed:
+        bars[-1:] = [arc(4, 5, 0.03, 0.1), arc(5, 2, 0.03, 0.02, closure=True)]
+    found = held_joints(
+        survey, [TreeJoint(hinge, 1, 2, is_closure=False), *bars], [[]] + [[n] for n in range(1, 3)] + [[]] * 3
+    )
+    assert len(found) == (0 if is_needed else 1)

@@ -1,6 +1,6 @@
 """Assemblies that do not move: no joint is drafted, with names and without, and the draft says why."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import pi
 from pathlib import Path
 
@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
@@ -135,3 +136,69 @@ def test_feet_on_one_ground_do_not_turn(sources: Sources) -> None:
     bars = [part(f"bar {x}", box(20, 280, 20), x, z=387) for x in (-150, 150)]
     feet = [part(f"foot {n}", foot, x, y) for n, (x, y) in enumerate(places)]
     assert joints(inferred(group("frame", *frame, *bars, shelf), group("feet", *feet), sources=sources)) == []
+
+
+@pytest.mark.parametrize("is_posed", [False, True])
+def test_feet_stand_however_the_assembly_is_posed(is_posed: bool) -> None:
+    """Feet of several bodies with nuts on their studs are on one ground, along no axis of the file either."""
+    places = [(x, y) for x in (-150, 150) for y in (-90, 90)]
+    table, rubber, stud = box(360, 240, 10).at(0, 0, 5), cylinder(15, 20).at(0, 0, -24), cylinder(15, 4).at(0, 0, -4)
+    for x, y in places:
+        table -= cylinder(4, 10).at(x, y, 0)
+    nut = cylinder(8, 6) - cylinder(4, 6)
+    foot = [part("rubber", rubber), part("stud", stud + cylinder(4, 20))]
+    nodes = [part("table", table), part("frame", box(300, 20, 40), z=30)]
+    for n, (x, y) in enumerate(places):
+        feet = [replace(node, X=Pose.from_xyz_rpy((x * 1e-3, y * 1e-3, 0.0), (0, 0, 0))) for node in foot]
+        nodes += [group(f"foot {n}", *feet), part("M8 nut", nut, x, y, 10)]
+    whole = replace(
+        group("all", *nodes), X=Pose.from_xyz_rpy((0.1, 0.0, 0.2), (0.3, 0.4, 0.5) if is_posed else (0, 0, 0))
+    )
+    assert joints(inferred(whole)) == []
+
+
+def _on_a_box(*more: Node, holes: Sequence[Solid], screws: int = 6) -> list[Node]:
+    """A cover that screws hold on a box with some holes, and more."""
+    places = [(-60.0 + 24.0 * n, 30.0) for n in range(6)]
+    base, cover = box(160, 100, 60).at(0, 0, -30), box(150, 20, 6).at(0, 30, 3)
+    for x, y in places:
+        base, cover = base - cylinder(2, 20).at(x, y, -20), cover - cylinder(2.2, 6).at(x, y, 0)
+    for hole in holes:
+        base -= hole
+    bolts = [part("M4x20", _bolt(24, 2), x, y, 6, (pi, 0, 0)) for x, y in places[:screws]]
+    return [part("base", base), part("cover", cover), *bolts, *more]
+
+
+@pytest.mark.parametrize(("screws", "has_clip", "count"), [(6, False, 0), (6, True, 1), (2, False, 1)])
+def test_what_nothing_keeps_in_is_screwed_in(screws: int, has_clip: bool, count: int) -> None:
+    """A gauge on its stem is a link only if a clip keeps it in, or if no screws are drawn: then nothing tells."""
+    hole, stem = cylinder(6, 60).at(0, -20, -60), cylinder(6, 66).at(0, 0, -66)
+    gauge = stem + cylinder(10, 10) + box(50, 14, 50).at(10, 0, 35)
+    clip = [part("circlip", cylinder(9, 1) - cylinder(6, 1), 0, -20, -62)] if has_clip else []
+    nodes = _on_a_box(part("gauge", gauge, 0, -20), *clip, holes=[hole], screws=screws)
+    assert len(joints(inferred(*nodes))) == count
+
+
+@pytest.mark.parametrize(("rod", "count"), [(0.0, 0), (90.0, 1)])
+def test_a_plug_in_a_tube_is_no_piston(rod: float, count: int) -> None:
+    """A round insert that ends in its bore, or hardly out of it, does not slide; with a rod out of it, it does."""
+    tube = box(60, 60, 120).at(0, 0, 60) - cylinder(20, 110).at(0, 0, 10)
+    core = cylinder(19.9, 14).at(0, 0, 70)
+    core = core + cylinder(6, rod).at(0, 0, 84) if rod else core
+    found = inferred(part("tube", tube), part("core", core), part("foot", box(200, 200, 10), z=-5))
+    assert [kind for kind, *_ in joints(found)] == ["prismatic"] * count
+
+
+def test_coils_of_valves_turn_on_nothing() -> None:
+    """Equal bodies on one line each, with a nut, are clamped if nothing else moves in the assembly."""
+    places = [(-60.0, -20.0), (0.0, -20.0), (60.0, -20.0)]
+    holes = [cylinder(10, 30).at(x, y, -30) for x, y in places]
+    valve = cylinder(9.95, 30).at(0, 0, -30) + cylinder(14, 8) + cylinder(8, 50).at(0, 0, 8)
+    coil = box(30, 44, 40).at(0, -4, 28) - cylinder(8.05, 40).at(0, 0, 8)
+    nut = cylinder(12, 8) - cylinder(8, 8)
+    nodes = _on_a_box(holes=holes)
+    for n, (x, y) in enumerate(places):
+        nodes.append(
+            group(f"station {n}", part("valve", valve, x, y), part("coil", coil, x, y), part("coil nut", nut, x, y, 48))
+        )
+    assert joints(inferred(*nodes)) == []

@@ -6,7 +6,8 @@ import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import Evidence
-from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence
+from stepbot.draft.evidence.pairs import PairEvidence
+from stepbot.draft.evidence.pivots import screwed_evidence
 from stepbot.draft.evidence.subassemblies import Structure, several_axes
 from stepbot.draft.evidence.wheels import wheel_evidence
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, part, turned
@@ -170,11 +171,11 @@ def test_an_axle_is_no_ring_of_its_wheel() -> None:
     assert joints(found) == [("revolute", "arm", "road wheel")]
 
 
-@pytest.mark.parametrize(("screws", "count"), [(2, 1), (1, 2)])
-def test_two_screws_through_a_gap_hold_two_plates(screws: int, count: int) -> None:
-    """Plates on two screws with spacers between them are one link, though they do not touch."""
+@pytest.mark.parametrize(("screws", "play", "count"), [(2, 0.0, 1), (1, 0.0, 2), (2, 0.4, 1)])
+def test_two_screws_through_a_gap_hold_two_plates(screws: int, play: float, count: int) -> None:
+    """Plates on two screws with spacers between them are one link, though they do not touch, also with play."""
     holes = [(-20.0, 0.0), (20.0, 0.0)][:screws]
-    screw = cylinder(3, 40).at(0, 0, -10) + cylinder(5, 6).at(0, 0, 30)
+    screw = cylinder(3 - play, 40).at(0, 0, -10) + cylinder(5, 6).at(0, 0, 30)
     spacer = cylinder(5, 20) - cylinder(3.1, 20)
     nodes = [part("lower", plate(*holes)), part("upper", plate(*holes).at(0, 0, 30))]
     for x, y in holes:

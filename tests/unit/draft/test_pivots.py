@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
-from stepbot.draft.evidence.pivots import held_by_faces
+from stepbot.draft.evidence.pivots import find_pivots, held_by_faces
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder
 
@@ -137,3 +137,12 @@ def test_a_seal_between_two_faces_only_holds_them() -> None:
     (pivot,) = held_by_faces(survey)
     assert (pivot.hosts, pivot.turns) == ((1, 2), False)
     assert abs(pivot.axis.d[2]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("has_pin", [False, True])
+def test_rings_with_nothing_in_them_are_gaskets(has_pin: bool) -> None:
+    """Bores with a ring between them are a pivot only with a pin in it."""
+    flange, ring = box(80, 80, 10).at(0, 0, 5) - cylinder(15, 10), cylinder(18, 2) - cylinder(15.5, 2)
+    nodes = [part("lower", flange), part("ring", ring, z=10), part("upper", flange, z=12)]
+    nodes += [part("pin", cylinder(15, 22))] if has_pin else []
+    assert len(find_pivots(Survey(assembled(*nodes), ALL_SOURCES))) == has_pin

@@ -36,7 +36,7 @@ _REVIEW_UNCERTAIN = "across a gap or at a stop as drawn: the only evidence is th
 """What to review of each such joint."""
 _RIGID = 0.87
 """Score of a weld from which two parts are one body of a linkage."""
-_IN_LOOP, _IN_CHAIN, _ALONE, _HIDDEN = 0.79, 0.72, 0.62, 0.35
+IN_LOOP, _IN_CHAIN, _ALONE, _HIDDEN = 0.79, 0.72, 0.62, 0.35
 """Scores of a joint in a loop that moves, of one of several, of a single one, and of one within a subassembly."""
 _TWIN = 0.88
 """Score of a weld of bodies on the same lines that move as one."""
@@ -213,7 +213,7 @@ class _Linkages:
     def _joint(self, h: Hinge, count: int, *, is_looped: bool) -> None:
         survey = self._survey
         a, b = sorted((h.a, h.b))
-        score = _IN_LOOP if is_looped else _IN_CHAIN if count >= _CHAIN else _ALONE
+        score = IN_LOOP if is_looped else _IN_CHAIN if count >= _CHAIN else _ALONE
         home = survey.scene.component(a).parent
         together = survey.sources.tree and home == survey.scene.component(b).parent and home not in survey.tops
         if together and not is_looped and count < _CHAIN:

@@ -1,8 +1,6 @@
 """Evidence from two parts in contact: their possible motions, and the likelihood of each."""
 
-from collections import defaultdict
 from collections.abc import Collection
-from itertools import combinations
 
 from stepbot.draft.contacts.concentric import patch_lies_about
 from stepbot.draft.contacts.contacts import FitKind
@@ -48,8 +46,8 @@ _SERIES = 0.82
 """Score of the weld of an exact fit, if one of its sides turns with play about its axis."""
 _SLOT, _OPPOSITE, _ACROSS = 0.35, 0.999, 1e-3
 """Score of a block in a slot; cosines of faces on both sides of it, and of its pin to them."""
-_SCREWED, _CLAMPED = 0.74, 0.74
-"""Scores of the welds of parts that screws reach through, with spacers between, and of a round body in a clamp."""
+_CLAMPED = 0.74
+"""Score of the weld of a round body in a clamp."""
 _FASTENED = 0.94
 """Score of the weld of a motor's output and what is fastened to it."""
 _MIDDLE = 1e-4
@@ -357,20 +355,6 @@ class PairEvidence:
 def pair_evidence(survey: Survey, motors: list[Motor], structure: Structure, evidence: Evidence) -> None:
     """Add the evidence of all pairs of larger parts."""
     PairEvidence(survey, structure, evidence).collect(motors)
-
-
-@rule(90)
-def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
-    """Two parts that do not touch, with several screws through both, are one: spacers are between them."""
-    through: dict[tuple[int, int], list[Axis]] = defaultdict(list)
-    for screw in sorted(survey.small):
-        axes = {other: r.shafts[0].axis for other, r in survey.around(screw) if any(f.shaft == screw for f in r.shafts)}
-        for a, b in combinations(sorted(axes), 2):
-            if axes[a].same(axes[b]) and not any(axes[a].same(axis) for axis in through[a, b]):
-                through[a, b].append(axes[a])
-    for (a, b), lines in through.items():
-        if len(lines) > 1 and survey.relation(a, b) is None:
-            evidence.weld(_SCREWED, a, b, f"{len(lines)} screws through both, with a gap between them")
 
 
 def _is_telescope(r: Relation) -> bool:

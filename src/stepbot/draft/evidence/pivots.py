@@ -5,7 +5,7 @@ Knuckle hinges: two parts whose bores alternate along one line, as those of a li
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from msgspec import Struct
@@ -33,6 +33,8 @@ _HOLE, _WIDEST_HOLE = 0.17, 7e-3
 _REVIEW = "bores that alternate along one line: a hinge, unless something else holds it"
 _SCORE = 0.91
 """Above that of faces that lock two parts: a closed lid lies on its box."""
+_SCREWED = 0.74
+"""Score of the weld of parts that screws reach through, with spacers between."""
 _KNUCKLES = 4
 """Number of bores that alternate, from which they are knuckles and not a fork with a bolt."""
 _FORK = 3
@@ -85,20 +87,22 @@ def _loose_pins(survey: Survey, line: CoaxialLine) -> Iterator[Pair]:
 
 def in_holes(survey: Survey, screw: int, axis: Axis) -> list[int]:
     """The larger parts that a screw on an axis goes through with the clearance of its hole."""
-    inside = []
-    for line in survey.contacts.lines:
-        if screw in line.faces and line.axis.same(axis):
-            shanks = [f for f in line.faces[screw] if not f.bore and not f.cone]
-            for i, faces in line.faces.items():
-                bores = [f for f in faces if f.bore and f.span > HALF_ROUND and i not in survey.small]
-                if any(
-                    0.0 < bore.radius - shank.radius < _HOLE * bore.radius
-                    and min(bore.high, shank.high) > max(bore.low, shank.low)
-                    for bore in bores
-                    for shank in shanks
-                ):
-                    inside.append(i)
-    return inside
+    on = (line for line in survey.contacts.lines if screw in line.faces and line.axis.same(axis))
+    return [i for line in on for i in _holes_around(survey, screw, line)]
+
+
+def _holes_around(survey: Survey, screw: int, line: CoaxialLine) -> Iterator[int]:
+    """The larger parts that a screw on a line goes through with the clearance of its hole."""
+    shanks = [f for f in line.faces[screw] if not f.bore and not f.cone]
+    for i, faces in line.faces.items():
+        bores = [f for f in faces if f.bore and f.span > HALF_ROUND and i not in survey.small]
+        if any(
+            0.0 < bore.radius - shank.radius < _HOLE * bore.radius
+            and min(bore.high, shank.high) > max(bore.low, shank.low)
+            for bore in bores
+            for shank in shanks
+        ):
+            yield i
 
 
 def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterator[Pivot]:
@@ -113,7 +117,17 @@ def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterat
             ordered = sorted(hosts, key=lambda i: (round(middle[i], 6), i))
             at = 0.25 * (middle[ordered[0]] + middle[ordered[-1]])
             axles = tuple(i for i in members if i not in hosts)
+            if axles and _are_gaskets(survey, line, members, axles):
+                continue
             yield Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered), axles)
+
+
+def _are_gaskets(survey: Survey, line: CoaxialLine, members: Sequence[int], axles: Sequence[int]) -> bool:
+    """Whether rings that nothing is in are all that is between parts on a line, as gaskets between flanges."""
+    if any(all(not f.bore for f in line.faces[i]) for i in axles):
+        return False
+    fits = (fit for i in members for r in survey.near.get(i, ()) for fit in r.shafts)
+    return not any(fit.axis.same(line.axis) for fit in fits)
 
 
 def spaced_pivots(survey: Survey) -> Iterator[Pivot]:
@@ -217,3 +231,18 @@ def _other_lines(survey: Survey, line: CoaxialLine, a: int, b: int) -> bool:
     """Whether fits on other lines hold both parts."""
     relation = survey.relation(a, b)
     return relation is not None and any(not fit.axis.same(line.axis) for fit in relation.fits)
+
+
+@rule(90)
+def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
+    """Two parts that do not touch, with several screws through both, are one: spacers or gaskets are between them."""
+    through: dict[tuple[int, int], list[Axis]] = defaultdict(list)
+    for line in survey.contacts.lines:
+        for screw in sorted(survey.small.intersection(line.faces)):
+            fitted = {other for other, r in survey.around(screw) if any(f.axis.same(line.axis) for f in r.shafts)}
+            for pair in combinations(sorted(fitted.union(_holes_around(survey, screw, line))), 2):
+                if not any(line.axis.same(axis) for axis in through[pair]):
+                    through[pair].append(line.axis)
+    for (a, b), axes in through.items():
+        if len(axes) > 1 and survey.relation(a, b) is None:
+            evidence.weld(_SCREWED, a, b, f"{len(axes)} screws through both, with a gap between them")

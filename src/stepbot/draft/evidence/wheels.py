@@ -209,8 +209,8 @@ def _rolls(axis: Axis, radius: float, up: Array, ground: float) -> bool:
     return abs(float(axis.d @ up)) < _FLAT and abs(height - radius) < _FLAT * radius
 
 
-_GROUND_PLANE = 1e-4
-"""Thickness of the ground plane, as a share of the assembly's size."""
+_GROUND_PLANE, _ALIGNED = 1e-4, 1e-9
+"""Thickness of the ground plane, as a share of the assembly's size; cosine of an axis that boxes are along, less 1."""
 
 
 class Feet:
@@ -247,6 +247,13 @@ class Feet:
     def _last(self, d: Array) -> tuple[float, set[int]]:
         """How far [m] the assembly reaches along a direction, and the parts that end there."""
         reach = np.maximum(self._boxes[:, 0] * d, self._boxes[:, 1] * d).sum(axis=1)
+        if np.abs(d).max() < 1.0 - _ALIGNED:  # boxes reach further than what is in them
+            best = -np.inf
+            for k in np.argsort(-reach, kind="stable").tolist():
+                if reach[k] <= best - self._near:
+                    break
+                reach[k] = self._survey.scene.span(self._parts[k], d)[1]
+                best = max(best, reach[k])
         level = float(reach.max())
         return level, {self._parts[k] for k in np.flatnonzero(reach > level - self._near).tolist()}
 

@@ -3,6 +3,10 @@
 A loop of joints that is drawn as a mechanism moves. If its axes do not let it, two bodies that were united, by a face
 on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
 
+Some joints of the last links are none. An assembly that is drawn with its screws shows what keeps a pin in its bore;
+where nothing does, it is screwed, pressed or glued in. A short plug in a tube is no piston, and what is tiny in a slot
+is a key. A bracket on one screw is clamped if its loops move without turning it.
+
 A rod with a ball joint at each end can spin about its own axis, which moves nothing else: the end nearer to the root is
 drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
 """
@@ -11,13 +15,21 @@ from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.freedom import FreedomKind
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, same_joint
+from stepbot.draft.contacts.relations import Relation, Via
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict, Weld, same_joint
+from stepbot.draft.evidence.linkages import IN_LOOP
 from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.evidence.wheels import wheels
 from stepbot.draft.mechanism.joints import Joint, by_cluster
-from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
+from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions, looped_arcs
 from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
@@ -27,6 +39,18 @@ _WEAKEST = 0.3
 """Score from which a refused joint may be needed."""
 _MOST = 12
 """Maximum number of joints that are tried."""
+
+_HELD, _SCREWED, _KEY, _STAR = 0.9, 6, 1e-3, 3
+"""Score of the weld of sides that something holds; number of screws from which an assembly is drawn with them; share of
+the assembly's volume up to which what is captured in a slot is a key; number of equal bodies that nuts hold, at least.
+"""
+_BESIDE = 1e-3
+"""Distance [m] of boxes up to which a nut or a clip may hold a part."""
+_STUCK = "nothing keeps one in the other: screwed, pressed or glued in"
+_PLUG = "a round plug or insert in its bore"
+_KEYED = "a key in its slot"
+_NUTS = "a nut or screw on their line; nothing else moves"
+_CLAMPED = "one screw clamps both: their loops move without turning them"
 
 _SWIVELS = (JointKind.BALL, JointKind.UNIVERSAL)
 
@@ -58,6 +82,116 @@ def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
         review = needed.get((h.a, h.b, str(h.type)))
         if review is not None:
             h.priority, h.score, h.review = Priority.NEEDED, max(h.score, _SCORE), review
+
+
+def hold(evidence: Evidence, held: Mapping[JointKey, str]) -> None:
+    """Weld the sides of joints that are none."""
+    for (a, b, _), why in sorted(held.items()):
+        evidence.welds.append(Weld(_HELD, a, b, why, priority=Priority.NEEDED))
+
+
+def held_joints(survey: Survey, arcs: Sequence[TreeJoint], links: Sequence[Sequence[int]]) -> dict[JointKey, str]:
+    """The joints whose sides something holds together, and what."""
+    ends = Counter(link for arc in arcs for link in (arc.parent, arc.child))
+    doubted = [arc for arc in arcs if _is_doubtful(arc.evidence) and 1 in (ends[arc.parent], ends[arc.child])]
+    moved = {*wheels(survey), *survey.belted} if doubted else set()
+    moved |= {i for mesh in survey.meshes for i in (mesh.one.part, mesh.two.part)} if doubted else set()
+    held: dict[JointKey, str] = {}
+    for arc in doubted:
+        h, sides = arc.evidence, [links[n] for n in (arc.parent, arc.child)]
+        last = [links[n] for n in (arc.parent, arc.child) if ends[n] == 1 and moved.isdisjoint(links[n])]
+        if last and not h.of_linkage and (why := _holder(survey, h, sides, last)):
+            held[h.a, h.b, str(h.type)] = why
+    if not held and _is_star(survey, arcs, links, ends):
+        return {(arc.evidence.a, arc.evidence.b, str(arc.evidence.type)): _NUTS for arc in arcs}
+    return held or {(h.a, h.b, str(h.type)): _CLAMPED for h in _clamped(survey, arcs, ends)}
+
+
+def _is_doubtful(h: JointEvidence) -> bool:
+    """Whether a drafted joint has neither a motor, a bearing or a gear, nor an answer or a loop that needs it."""
+    is_stronger = h.drives or h.by_role or h.is_geared or h.of_roller or h.priority == Priority.STATED
+    return h.score >= CHOSEN and not is_stronger
+
+
+def _holder(survey: Survey, h: JointEvidence, sides: Sequence[Sequence[int]], last: Sequence[Sequence[int]]) -> str:
+    """What holds a link that has no further joint in the other one; nothing if it may move."""
+    r = h.relation
+    if (h.a, h.b) in survey.captured:
+        return _KEYED if min(map(survey.total_volume, last)) < _KEY * survey.volume else ""
+    if r is None or r.via != Via.PIN:
+        return ""
+    if h.type == JointKind.PRISMATIC:
+        return _PLUG if any(_is_plug(survey, r, h.axis, members) for members in last) else ""
+    is_drawn = len(survey.small) >= _SCREWED
+    return _STUCK if is_drawn and not _is_kept_in(survey, h.axis, sides, min(last, key=survey.total_volume)) else ""
+
+
+def _is_plug(survey: Survey, r: Relation, axis: Axis, members: Sequence[int]) -> bool:
+    """Whether a link is a turned shaft that ends in its bore, or hardly out of it: no rod moves it, nor does it one."""
+    shaft = max(r.shafts, key=lambda fit: fit.length)
+    larger = [i for i in members if i not in survey.small]
+    if larger != [shaft.shaft] or not survey.parts[shaft.shaft].is_balanced(axis) or shaft.guided > 1.5 * shaft.length:
+        return False
+    (start, end), (low, high) = (survey.scene.span(i, axis.d) for i in (shaft.shaft, r.other(shaft.shaft)))
+    return max(low - start, end - high) < shaft.length
+
+
+def _is_kept_in(survey: Survey, axis: Axis, sides: Sequence[Sequence[int]], last: Sequence[int]) -> bool:
+    """Whether faces across a line, both ways, or a screw, a nut or a clip on it keep a last link with the other."""
+    one, two = map(set, sides)
+    between = [r for i in sorted(one) for r in survey.near.get(i, ()) if r.other(i) in two]
+    faces = [(p.normal @ axis.d, p.a in one) for r in between for p in r.patches if axis.is_along(p.normal)]
+    return len({(along > 0.0) == is_first for along, is_first in faces}) > 1 or _is_fastened(
+        survey, axis, one | two, last
+    )
+
+
+def _is_fastened(survey: Survey, axis: Axis, members: Collection[int], last: Sequence[int]) -> bool:
+    """Whether a screw, a nut or a clip is on a line of some parts, beside a link."""
+    beside = survey.small.intersection(survey.parts_near(survey.box_of(last), _BESIDE))
+    return any(
+        r.other(i) in beside
+        and survey.parts[r.other(i)].role is not Role.SEAL
+        and any(fit.axis.same(axis) for fit in r.fits)
+        for i in sorted(members)
+        for r in survey.near.get(i, ())
+    )
+
+
+def _is_star(
+    survey: Survey, arcs: Sequence[TreeJoint], links: Sequence[Sequence[int]], ends: Mapping[int, int]
+) -> bool:
+    """Whether all that moves is equal bodies, each on one line with a nut: coils of valves, no robot."""
+    leaves = [next((n for n in (arc.parent, arc.child) if ends[n] == 1), -1) for arc in arcs]
+    if len(arcs) < _STAR or len(survey.small) < _SCREWED or -1 in leaves:
+        return False
+    kinds = {survey.equal.kinds(sorted(i for i in links[n] if i not in survey.small)) for n in leaves}
+    return len(kinds) == 1 and all(
+        arc.evidence.of_linkage
+        and _is_doubtful(arc.evidence)
+        and _is_fastened(survey, arc.evidence.axis, links[n], links[n])
+        for arc, n in zip(arcs, leaves, strict=True)
+    )
+
+
+def _clamped(survey: Survey, arcs: Sequence[TreeJoint], ends: Mapping[int, int]) -> list[JointEvidence]:
+    """Joints of parts that lie on each other, on one screw, if all loops that they are in move as much without them."""
+    looped = looped_arcs(arcs)
+    some = {
+        k
+        for k in sorted(looped)
+        if (h := arcs[k].evidence).of_linkage and h.score < IN_LOOP and _is_doubtful(h) and not arcs[k].is_closure
+        if h.relation is not None and h.relation.via == Via.BOLT and h.relation.patches and survey.has_screw_at(h.axis)
+    }
+    if not some:
+        return []
+    fixed = Clusters(ends)
+    for k in sorted(some):
+        fixed.join(arcs[k].parent, arcs[k].child)
+    rest = [k for k in range(len(arcs)) if k not in some]
+    tree = [replace(arcs[k], parent=fixed.find(arcs[k].parent), child=fixed.find(arcs[k].child)) for k in rest]
+    stuck = {rest[k] for k in locked_arcs(tree)}
+    return [] if stuck - locked_arcs(arcs) else [arcs[k].evidence for k in sorted(some)]
 
 
 _HANGING = "the motor hangs on its own output and carries no other joint: it may be fastened elsewhere"

@@ -100,8 +100,12 @@ def loop_motions(arcs: Sequence[TreeJoint]) -> dict[int, Motion]:
 
 def locked_arcs(arcs: Sequence[TreeJoint]) -> set[int]:
     """Indices of the arcs that their loops do not let move, by more than inaccurate axes allow."""
-    in_loops = {k for cycle in _cycles(arcs) for k in cycle}
-    return in_loops - {k for k, _ in _mobility(arcs, _INACCURATE)}
+    return looped_arcs(arcs) - {k for k, _ in _mobility(arcs, _INACCURATE)}
+
+
+def looped_arcs(arcs: Sequence[TreeJoint]) -> set[int]:
+    """Indices of the arcs in loops."""
+    return {k for cycle in _cycles(arcs) for k in cycle}
 
 
 def _mobility(arcs: Sequence[TreeJoint], tolerance: float, sliding: int = -1) -> set[tuple[int, str]]:
