@@ -9,8 +9,7 @@ from typing import Any
 
 import click
 
-from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES, current
+from stepbot.diagnostics import code_to_ignore
 from stepbot.runtime.file import exists
 
 from .streams import CannotPrint
@@ -94,24 +93,10 @@ def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
     return click.option(*declarations, multiple=True, callback=split_names, **attributes)
 
 
-def full_code(given: str) -> str:
-    """A code of diagnostics in capitals, and with its letters if only the number is given: ``407`` is ``SB407``."""
-    name, *feature = given.split(":", 1)
-    number = f"SB{name}" if name.isdecimal() and len(name) == 3 else name.upper()
-    return ":".join([number, *map(str.lower, feature)])
-
-
 def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     """Codes of diagnostics to suppress."""
-    codes = tuple(map(full_code, split_names(context, option, given)))
-    for code in codes:
-        known = current(code)
-        if not known:
-            near = "".join(did_you_mean(code, CODES)) or "list all codes with `stepbot explain`"
-            raise click.BadParameter(f"unknown code '{code}'; {near}")
-        if all(CODES[one].severity == "error" for one in known):
-            raise click.BadParameter(f"{code} is an error, which cannot be ignored")
-    return codes
+    with usage_errors():
+        return tuple(map(code_to_ignore, split_names(context, option, given)))
 
 
 ignore_option = click.option(

@@ -11,9 +11,9 @@ import click
 
 import stepbot
 from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES, current
+from stepbot.diagnostics.codes import CODES, current, full_code
 
-from .command import Command, full_code, json_option
+from .command import Command, json_option
 from .terminal import write_json, write_result
 
 _PACKAGE = Path(stepbot.__file__).parent

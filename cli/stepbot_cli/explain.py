@@ -6,9 +6,9 @@ import textwrap
 import click
 
 from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES, Code, current
+from stepbot.diagnostics.codes import CODES, Code, current, full_code
 
-from .command import Command, full_code
+from .command import Command
 from .terminal import text_width, write_result
 
 

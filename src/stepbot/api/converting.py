@@ -9,7 +9,18 @@ from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
-from .arguments import AnyPath, CheckResult, cache_at, checked, format_names, several
+from .arguments import (
+    AnyPath,
+    CheckResult,
+    argument,
+    cache_at,
+    checked,
+    code_page_of,
+    codes_ignored,
+    engines_required,
+    format_names,
+    several,
+)
 
 
 @checked
@@ -73,38 +84,52 @@ def convert(
             ``output`` are unchanged.
 
     Raises:
-        ValueError: A name in ``formats`` is not a format, in ``programs`` not a program, or ``package`` or ``ros2`` not
-            the name of a package; both are given, or URDF is not written. ``maintainer`` is not a name and an address.
-            For ``gazebo``, SDFormat is not written, or the folder's name cannot be that of a model.
+        ValueError: A name in ``formats`` is not a format, in ``programs`` not a program, in ``require`` not an engine,
+            in ``ignore`` not a code; ``encoding`` is not a code page; ``package`` or ``ros2`` is not the name of a
+            package; both are given, or URDF is not written. ``maintainer`` is not a name and an address. For
+            ``gazebo``, SDFormat is not written, or the folder's name cannot be that of a model. The message starts with
+            the argument.
+        TypeError: An argument has a wrong type, or there is none of this name.
     """
     from stepbot.formats.learning import formats_for, program_names
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
     from stepbot.robot.metadata import is_maintainer
 
     if maintainer and not is_maintainer(maintainer):
-        raise ValueError(f"'{maintainer}' is not a name and an address: Ada Lovelace <ada@example.com>")
-    loaded_by = program_names(several(programs))
+        raise ValueError(f"maintainer: '{maintainer}' is not a name and an address: Ada Lovelace <ada@example.com>")
+    if base not in ("", "fixed", "floating"):
+        raise ValueError(f"base: '{base}' is neither 'fixed' nor 'floating'")
+    if assume_inertia < 0.0:
+        raise ValueError(f"assume_inertia: {assume_inertia!r} is not a density")
+    if require and not verify:
+        raise ValueError("require and verify=False cannot be combined")
+    with argument("programs"):
+        loaded_by = program_names(several(programs))
     path, written = Path(sidecar), formats_for(loaded_by, format_names(formats))
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")
     folder = Path(output) if output is not None else Path(name)
+    with argument("package" if package else "ros2"):
+        meshes_of = package_of(package, ros2, written)
+    with argument("gazebo"):
+        model = model_name(folder, written) if gazebo else ""
     options = Options(
         output=folder,
         formats=written,
         step=Path(step) if step is not None else None,
-        encoding=encoding,
+        encoding=code_page_of(encoding),
         verify=verify,
         strict=strict,
-        require=several(require),
-        ignore=several(ignore),
+        require=engines_required(require),
+        ignore=codes_ignored(ignore),
         timeout=timeout,
         memory_limit=memory_limit,
         cache=cache_at(cache),
         html=html,
-        package=package_of(package, ros2, written),
+        package=meshes_of,
         ros2=bool(ros2),
         maintainer=maintainer,
         license=license,
-        gazebo=model_name(folder, written) if gazebo else "",
+        gazebo=model,
         programs=loaded_by,
         base=base,
         package_path=tuple(map(Path, several(package_path))),
@@ -145,7 +170,7 @@ def check(
     options = Options(
         output=Path(),
         step=Path(step) if step is not None else None,
-        ignore=several(ignore),
+        ignore=codes_ignored(ignore),
         timeout=timeout,
         memory_limit=memory_limit,
         cache=cache_at(cache),

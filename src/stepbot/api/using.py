@@ -11,7 +11,20 @@ from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.runtime.file import read_regular, replace_file
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
-from .arguments import AnyPath, Drafted, DriveResult, Rendered, Verification, checked, known, reading, several
+from .arguments import (
+    AnyPath,
+    Drafted,
+    DriveResult,
+    Rendered,
+    Verification,
+    argument,
+    checked,
+    codes_ignored,
+    engines_required,
+    known,
+    reading,
+    several,
+)
 
 if TYPE_CHECKING:
     from stepbot.pipeline.stages import Inspection
@@ -135,10 +148,11 @@ def render(
     from stepbot.pictures.picture import NothingToDraw, Sheet, draw, png_bytes
     from stepbot.pipeline.picturing import subject_of
 
-    (chosen,) = known(view, VIEWS, "view")
+    (chosen,) = known(view, VIEWS, "view", "view")
     diagnostics = Diagnostics()
     options = reading(encoding, timeout, memory_limit, cache, package_path)
-    subject = subject_of(Path(target), options, joints or {}, diagnostics)
+    with argument("joints"):
+        subject = subject_of(Path(target), options, joints or {}, diagnostics)
     if subject is None or diagnostics.has_errors:
         return Rendered(diagnostics)
     try:
@@ -182,11 +196,11 @@ def verify(
     from stepbot.verification.files import verify_files
 
     diagnostics = Diagnostics()
-    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in several(ignore))
+    diagnostics.ignore(Ignore(code, Span("stepbot")) for code in codes_ignored(ignore))
     report = verify_files(
         [Path(file) for file in files],
         diagnostics,
-        require=several(require),
+        require=engines_required(require),
         workers=Workers(timeout, memory_limit),
         packages=tuple(map(Path, several(package_path))),
         xacro=(xacro or {}).items(),
@@ -231,7 +245,9 @@ def drive(
     from stepbot.pipeline.driving import drive as drive_target
 
     chosen = DriveOptions(
-        known(tests, TESTS, "test"), known(engines, ENGINES, "engine"), Path(limits) if limits is not None else None
+        known(tests, TESTS, "test", "tests"),
+        known(engines, ENGINES, "engine", "engines"),
+        Path(limits) if limits is not None else None,
     )
     diagnostics = Diagnostics()
     driven = drive_target(Path(target), reading("", timeout, memory_limit, cache, package_path), chosen, diagnostics)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from .codes import CODES, Severity, selects
+from .codes import CODES, Severity, current, full_code, selects
 
 LARGEST_SOURCE = 16 * 2**20
 """Size [bytes] of a file above which no lines are read, because reading it again would take too long."""
@@ -240,6 +240,21 @@ def did_you_mean(word: str, candidates: Iterable[str], least: float = 0.6) -> tu
     if not near:
         return ()
     return ("did you mean " + " or ".join(f"'{name}'" for name in near) + "?",)
+
+
+def code_to_ignore(given: str) -> str:
+    """The full code of warnings and notes to suppress.
+
+    Raises:
+        ValueError: There is no such code, or it is one of errors.
+    """
+    code = full_code(given)
+    if not (known := current(code)):
+        near = "".join(did_you_mean(code, CODES)) or "list all codes with `stepbot explain`"
+        raise ValueError(f"unknown code '{code}'; {near}")
+    if all(CODES[one].severity == "error" for one in known):
+        raise ValueError(f"{code} is an error, which cannot be ignored")
+    return code
 
 
 def source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str]:

@@ -83,6 +83,13 @@ def renamed() -> dict[str, tuple[str, ...]]:
     return {old: tuple(_CODE.findall(new)) for old, new in _EARLIER.findall(CODES.page)}
 
 
+def full_code(given: str) -> str:
+    """A code of diagnostics in capitals, and with its letters if only the number is given: ``407`` is ``SB407``."""
+    name, *feature = given.split(":", 1)
+    number = f"SB{name}" if name.isdecimal() and len(name) == 3 else name.upper()
+    return ":".join([number, *map(str.lower, feature)])
+
+
 def current(code: str) -> tuple[str, ...]:
     """The codes that a code stands for: itself, or those in place of an earlier version's; none if unknown."""
     return (code,) if code in CODES else renamed().get(code, ())

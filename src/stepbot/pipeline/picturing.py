@@ -65,7 +65,7 @@ def subject_of(target: Path, options: Options, positions: Configuration, diagnos
     try:
         return robot_subject(robot, posed(robot, positions))
     except KeyError as error:
-        raise ValueError(f"no moving joint {error}") from None
+        raise ValueError(error.args[0]) from None
     except NotReached as error:
         raise ValueError(f"the loops or limits stop the mechanism at {dict(error.reached)}") from None
 
