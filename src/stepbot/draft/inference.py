@@ -87,7 +87,7 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> InferredMechanism:
         inferred = _infer(survey, facts, needed, repeats)
     held: dict[JointKey, str] = {}
     for _ in range(_MOST_HELD):
-        if not (more := held_joints(inferred.survey, inferred.arcs, inferred.links)):
+        if not (more := held_joints(inferred.survey, inferred.arcs, inferred.links, inferred.offered)):
             break
         held |= more
         inferred = _infer(survey, facts, needed, repeats, held)

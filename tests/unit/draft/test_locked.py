@@ -125,3 +125,11 @@ def test_one_screw_clamps_a_bracket_whose_loop_moves_without_it(is_needed: bool)
         survey, [TreeJoint(hinge, 1, 2, is_closure=False), *bars], [[]] + [[n] for n in range(1, 3)] + [[]] * 3
     )
     assert len(found) == (0 if is_needed else 1)
+
+
+@pytest.mark.parametrize(("lines", "count"), [(2, 0), (3, 1)])
+def test_bolts_on_parallel_lines_hold_two_links(lines: int, count: int) -> None:
+    """Two links that could turn about one line and three others beside it are bolted together."""
+    survey = Survey(assembled(part("a", box(9, 9, 9)), part("b", box(9, 9, 9), 20)), ALL_SOURCES)
+    others = [arc(1, 2, 0.01 * n, 0.0).evidence for n in range(1, lines + 1)]
+    assert len(held_joints(survey, [arc(1, 2, 0.0, 0.0)], [[], [1], [2]], others)) == count

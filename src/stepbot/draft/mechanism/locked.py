@@ -46,9 +46,12 @@ the assembly's volume up to which what is captured in a slot is a key; number of
 """
 _BESIDE = 1e-3
 """Distance [m] of boxes up to which a nut or a clip may hold a part."""
+_LINE, _LINES = 0.4, 3
+"""Score of a further line between two links, at least, and the number of these from which they are of bolts."""
 _STUCK = "nothing keeps one in the other: screwed, pressed or glued in"
 _PLUG = "a round plug or insert in its bore"
 _KEYED = "a key in its slot"
+_BOLTED = "bolts on several parallel lines"
 _NUTS = "a nut or screw on their line; nothing else moves"
 _CLAMPED = "one screw clamps both: their loops move without turning them"
 
@@ -90,13 +93,19 @@ def hold(evidence: Evidence, held: Mapping[JointKey, str]) -> None:
         evidence.welds.append(Weld(_HELD, a, b, why, priority=Priority.NEEDED))
 
 
-def held_joints(survey: Survey, arcs: Sequence[TreeJoint], links: Sequence[Sequence[int]]) -> dict[JointKey, str]:
-    """The joints whose sides something holds together, and what."""
+def held_joints(
+    survey: Survey, arcs: Sequence[TreeJoint], links: Sequence[Sequence[int]], offered: Sequence[JointEvidence] = ()
+) -> dict[JointKey, str]:
+    """The joints whose sides something holds together, and what; ``offered`` has those that are not drafted."""
     ends = Counter(link for arc in arcs for link in (arc.parent, arc.child))
     doubted = [arc for arc in arcs if _is_doubtful(arc.evidence) and 1 in (ends[arc.parent], ends[arc.child])]
     moved = {*wheels(survey), *survey.belted} if doubted else set()
     moved |= {i for mesh in survey.meshes for i in (mesh.one.part, mesh.two.part)} if doubted else set()
     held: dict[JointKey, str] = {}
+    for arc in arcs:
+        h = arc.evidence
+        if _is_doubtful(h) and not h.of_linkage and _are_bolted(h, links[arc.parent], links[arc.child], offered):
+            held[h.a, h.b, str(h.type)] = _BOLTED
     for arc in doubted:
         h, sides = arc.evidence, [links[n] for n in (arc.parent, arc.child)]
         last = [links[n] for n in (arc.parent, arc.child) if ends[n] == 1 and moved.isdisjoint(links[n])]
@@ -111,6 +120,16 @@ def _is_doubtful(h: JointEvidence) -> bool:
     """Whether a drafted joint has neither a motor, a bearing or a gear, nor an answer or a loop that needs it."""
     is_stronger = h.drives or h.by_role or h.is_geared or h.of_roller or h.priority == Priority.STATED
     return h.score >= CHOSEN and not is_stronger
+
+
+def _are_bolted(h: JointEvidence, one: Sequence[int], two: Sequence[int], offered: Sequence[JointEvidence]) -> bool:
+    """Whether two links could turn on each other about several parallel lines: those are of bolts."""
+    lines, side = list[Axis](), dict.fromkeys(one, 1) | dict.fromkeys(two, 2)
+    for k in offered if h.type is JointKind.REVOLUTE else ():
+        is_between = {side.get(k.a), side.get(k.b)} == {1, 2} and k.type is h.type and k.score >= _LINE
+        if is_between and k.axis.is_along(h.axis.d) and not any(k.axis.same(line) for line in (h.axis, *lines)):
+            lines.append(k.axis)
+    return len(lines) >= _LINES
 
 
 def _holder(survey: Survey, h: JointEvidence, sides: Sequence[Sequence[int]], last: Sequence[Sequence[int]]) -> str:
