@@ -25,11 +25,11 @@ MOST_SUBJECTS = 12
 MOST_LIKEWISE = 4
 """Number of further messages with other numbers that the default output shows."""
 
-_MOST = {"error": MOST_ERRORS, "warning": MOST_WARNINGS}
+_MOST: dict[Severity, int] = {"error": MOST_ERRORS, "warning": MOST_WARNINGS}
 _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
-_SUBJECT = re.compile(r"'[^']+'")
-"""The first name in quotes: the subject of a message."""
+_SUBJECT = re.compile(r"(?:^(\w+) )?('[^']+')")
+"""The first name in quotes: the subject of a message; a word before it at the beginning is its kind."""
 _NAMES = re.compile(rf"((?:'[^']*', ){{{MOST_SUBJECTS}}})((?:'[^']*', )*'[^']*')")
 """A list of more names than the default output shows."""
 _NUMBER = re.compile(r"(?<![\w#])[-+]?\d[\d.]*(e[-+]?\d+)?")
@@ -92,13 +92,16 @@ def _by_cause(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 def _without_subject(diagnostic: Diagnostic) -> str:
     name = _SUBJECT.search(diagnostic.message)
-    return diagnostic.message.replace(name[0], "''") if name else str(diagnostic)
+    return diagnostic.message.replace(name[0], "''").replace(name[2], "''") if name else diagnostic.message
 
 
 def _merged(first: Diagnostic, others: Sequence[Diagnostic]) -> Diagnostic:
     """A diagnostic that names the others, or has their messages where these differ, and the remedies that differ."""
-    shown = {f"{_subject(other)}{_line(other)}": other for other in others[:MOST_SUBJECTS]}
-    name = _subject(first)
+    kind, name = _kind(first), _subject(first)
+    shown = {
+        f"{'' if _kind(other) == kind else _kind(other)}{_subject(other)}{_line(other)}": other
+        for other in others[:MOST_SUBJECTS]
+    }
     usual = [text.replace(name, "''") for text in first.help]
     own = [
         f"{place}: {one.help[0]}"
@@ -116,14 +119,20 @@ def _beyond(others: Sequence[Diagnostic], most: int) -> str:
     return f" and {len(others) - most} more" if len(others) > most else ""
 
 
+def _kind(diagnostic: Diagnostic) -> str:
+    """What the subject is, with a blank after it: ``joint``; empty where the message does not begin with it."""
+    name = _SUBJECT.search(diagnostic.message)
+    return f"{name[1]} " if name and name[1] else ""
+
+
 def _subject(diagnostic: Diagnostic) -> str:
     """The first name in quotes; the place if there is none."""
     name = _SUBJECT.search(diagnostic.message)
-    return name[0] if name else str(diagnostic.span)
+    return name[2] if name else str(diagnostic.span)
 
 
 def _line(diagnostic: Diagnostic) -> str:
-    return f" (line {diagnostic.span.line})" if diagnostic.span.line else ""
+    return f" (line {diagnostic.span.line})" if diagnostic.span.line and _SUBJECT.search(diagnostic.message) else ""
 
 
 def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:
@@ -196,6 +205,17 @@ def counts_of(diagnostics: Iterable[Diagnostic], *severities: Severity) -> str:
     """``2 errors, 1 warning``: how many diagnostics there are of these severities; empty without any."""
     numbers = Counter(diagnostic.severity for diagnostic in diagnostics)
     return ", ".join(counted(numbers[severity], severity) for severity in severities if numbers[severity])
+
+
+def count_of_causes(diagnostics: Iterable[Diagnostic]) -> str:
+    """``12 errors of 2 causes, 1 warning``: where findings share a cause, how many causes there are, too."""
+    findings = list(diagnostics)
+    words = []
+    for severity in _MOST:
+        alike = [diagnostic for diagnostic in findings if diagnostic.severity == severity]
+        causes = len(_by_cause(alike))
+        words += [counts_of(alike, severity) + (f" of {counted(causes, 'cause')}" if causes < len(alike) else "")]
+    return ", ".join(filter(None, words))
 
 
 def summary(

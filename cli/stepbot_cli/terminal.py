@@ -108,7 +108,7 @@ def write_verdict(
         return False
     from .table import filled
 
-    counts = diagnostic_text.counts_of(findings, "error", "warning")
+    counts = diagnostic_text.count_of_causes(findings)
     text = f"{subject}{' ' if subject.endswith(':') else ', '}{counts}{f'; {then}' if then else ''}"
     to = stream or sys.stdout
     _write(to, "\n".join(filled(diagnostic_text.printable(text), screen_width(to))))

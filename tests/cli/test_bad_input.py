@@ -85,7 +85,9 @@ def desk(good: Path, tmp_path: Path, robot_library: Path, stepbot: Stepbot, monk
 def error(run: Run, code: str, *, remedy: bool = True) -> tuple[str, str]:
     """Place and message of the error with a code; it must have a remedy, and standard output the verdict alone."""
     (verdict,) = run.out.splitlines()
-    assert re.fullmatch(r"\w+: not converted, \d+ errors?(, \d+ warnings?)?; .* is (unchanged|written)", verdict)
+    assert re.fullmatch(
+        r"\w+: not converted, \d+ errors?( of \d+ causes?)?(, \d+ warnings?.*)?; .* is (unchanged|written)", verdict
+    )
     (block,) = (block for block in run.err.split("\n\n") if f": error[{code}]: " in block)
     place, message = block.lstrip().splitlines()[0].split(f": error[{code}]: ")
     if remedy:
@@ -406,7 +408,9 @@ def test_engine_that_dies(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "Traceback" not in run.err
     for suffix in ("urdf", "xml"):
         assert f"arm2.{suffix}: error[SB802]: mujoco: killed by SIGSEGV" in run.err
-    assert re.match(r"arm2: not converted, \d errors(, \d warnings?)?; out is unchanged\narm2: 5 links", run.out)
+    assert re.match(
+        r"arm2: not converted, \d errors( of \d causes?)?(, \d warnings?.*)?; out is unchanged\narm2: 5 links", run.out
+    )
     assert re.search(r"NOT PROVEN: (URDF|MJCF) differs from the CAD in MuJoCo", run.out)
     after = snapshot(desk.folder)
     assert {name: after[name] for name in before} == before

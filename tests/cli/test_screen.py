@@ -7,7 +7,7 @@ import pytest
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot_cli import diagnostic_text
 from stepbot_cli.columns import cells
-from stepbot_cli.terminal import Display, show_diagnostics
+from stepbot_cli.terminal import Display, show_diagnostics, write_verdict
 
 from .conftest import Stepbot
 
@@ -51,6 +51,22 @@ def test_one_cause_is_one_finding() -> None:
     assert text.endswith("5 warnings (more: stepbot explain SB463; -v shows all)")
     elsewhere = other._replace(message="joint 'wrist': something else", span=Span("a.yaml", 70))
     assert diagnostic_text.screen([*same, elsewhere]).count("warning[SB463]") == 2
+
+
+def test_one_cause_of_several_kinds_is_one_finding(capsys: pytest.CaptureFixture[str]) -> None:
+    """A joint and a closure with the same error are one finding, and so is one message at several places."""
+    kinds = [
+        Diagnostic("SB123", "error", f"{kind} '{name}': type: invalid choice 'revolut'", Span("a.yaml", n, 5))
+        for n, (kind, name) in enumerate((("joint", "hip"), ("joint", "knee"), ("closure", "pin")), 1)
+    ]
+    tabs = [Diagnostic("SB104", "error", "sidecar: tab in indentation", Span("a.yaml", n, 1)) for n in (7, 9)]
+    text = diagnostic_text.screen([*kinds, *tabs])
+    assert text.count("error[") == 2
+    assert "= note: the same for 'knee' (line 2), closure 'pin' (line 3)\n" in text
+    assert "= note: the same for a.yaml:9:1\n" in text
+    assert diagnostic_text.full([*kinds, *tabs]).count("error[") == 5
+    assert write_verdict("a: not converted", [*kinds, *tabs], Display())
+    assert capsys.readouterr().out == "a: not converted, 5 errors of 2 causes\n"
 
 
 def test_warnings_that_differ_in_numbers_are_one_finding() -> None:
