@@ -23,6 +23,7 @@ _SITES = (_PACKAGE / "site", _PACKAGE.parents[1] / "build" / "site")
 """The site that `make docs` builds, in a wheel and in a checkout."""
 _HEADING = re.compile(r"^#{1,4} (.*)$", re.MULTILINE)
 _CODE_BLOCK = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
+_LINK = re.compile(r"\[([^\]]*)\]\(([^)#:]+)(?:#[^)]*)?\)")
 _MAP = "README"
 
 
@@ -66,7 +67,7 @@ def command(word: str | None, no_open: bool, as_json: bool) -> int:
         write_json({"url": url or None, "matches": rows})
         return 0
     if no_open or not url or not webbrowser.open(url):
-        write_result(first.text)
+        write_result(_LINK.sub(lambda link: link[0] if (folder / link[2]).exists() else link[1], first.text))
     is_exact = first.page.casefold() == (word or _MAP).casefold() or len(matches) == 1
     others = [] if is_exact else [f"{one.page}: {one.heading}" for one in matches[1:6]]
     write_result("\n".join([*([url] if url else []), *(f"also {other}" for other in others)]) or first.page)

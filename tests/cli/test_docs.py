@@ -56,6 +56,15 @@ def test_prints_without_a_site(stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
     assert "sidecar" in run.err
 
 
+def test_printed_links_lead_somewhere(stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Links to what an installed stepbot lacks, decisions and notes of the benchmarks, are printed as their text."""
+    monkeypatch.setattr(docs, "_SITES", ())
+    page = "# Documentation\n[0002](decisions/0002.md), [notes](../benchmarks/N.md#a), [map](README.md#b), [w](https://w.org)"
+    (tmp_path / "README.md").write_text(page, encoding="utf-8")
+    monkeypatch.setattr(docs, "_PAGES", (tmp_path,))
+    assert stepbot("docs").out.splitlines()[1] == "0002, notes, [map](README.md#b), [w](https://w.org)"
+
+
 def test_every_page_that_a_message_names_exists() -> None:
     """No message points to a file that an installed stepbot does not have; `stepbot docs PAGE` finds each page."""
     code = [code.explanation + code.fix for code in CODES.values()]
