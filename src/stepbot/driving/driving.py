@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from msgspec import Struct, field
 from msgspec.structs import replace
@@ -23,7 +24,7 @@ from .experiments.wheels import roll, strafe, turn
 from .judgement import Status, Verdict, judge, unmeasured
 from .limits import Demands
 from .mechanism import Wheels, finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
-from .plan import ENGINES, TESTS, reasons, ungripped
+from .plan import ENGINES, SURVEYOR, TESTS, reasons, ungripped
 from .remedies import Facts, facts_of
 from .results import Result
 from .stage import Diverged, Stage
@@ -66,13 +67,8 @@ def drive(assignment: Assignment) -> tuple[Result | str, ...]:
 
 def _opener(assignment: Assignment) -> Callable[[Setup], Simulation]:
     file, mechanism = assignment.file, assignment.mechanism
-    if assignment.engine == "mujoco":
-        from stepbot.engines.mujoco.simulation import MujocoSimulation
-
-        return lambda setup: MujocoSimulation(file, mechanism, setup)
-    from stepbot.engines.pybullet.simulation import PybulletSimulation
-
-    return lambda setup: PybulletSimulation(file, mechanism, setup)
+    module = import_module(f"{engine_of(assignment.engine).package}.simulation")
+    return lambda setup: cast(Simulation, module.SIMULATION(file, mechanism, setup))
 
 
 EXPERIMENTS: Mapping[str, Callable[[Stage], Result]] = {
@@ -129,7 +125,7 @@ def drive_files(
     if survey is None:
         return Driven(robot.name)
     wheels, limbs = wheels_of(mechanism), limbs_of(mechanism)
-    why = reasons(mechanism, survey, wheels, limbs, mjcf="mujoco" in files)
+    why = reasons(mechanism, survey, wheels, limbs, mjcf=SURVEYOR in files)
     wanted = tuple(tests)
     for test in dict.fromkeys((*wanted, *demands.tests)):
         if why[test]:
@@ -166,12 +162,12 @@ class _Drive:
 
     def survey(self) -> Survey | None:
         """The poses and grasps; None if MuJoCo cannot load the file."""
-        file = str(openable(self._files["mujoco"])) if "mujoco" in self._files else ""
+        file = str(openable(self._files[SURVEYOR])) if SURVEYOR in self._files else ""
         pairs = finger_candidates(self._mechanism)
         fingers = (*pairs, *jaw_candidates(self._mechanism, pairs))
         with Worker(_SURVEY, memory_limit=self._memory_limit) as worker:
             worker.submit(file, self._mechanism, fingers, self._demands.mass, self._demands.objects)
-            survey: Survey | None = self._result("mujoco", worker)
+            survey: Survey | None = self._result(SURVEYOR, worker)
         if survey is not None:
             self._facts = replace(self._facts, overlaps=survey.overlaps)
         return survey

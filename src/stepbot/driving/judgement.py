@@ -8,6 +8,7 @@ from msgspec import Struct
 from stepbot.diagnostics import Diagnostics, Span
 
 from .limits import UNITS, Bound, Demands
+from .plan import SURVEYOR
 from .remedies import Facts, fate, grip_remedies, overlap_words, remedy, spin_words
 from .results import Measure, Result
 
@@ -63,7 +64,7 @@ def judge(
         facts: What the robot's report states about remedies.
     """
     span = Span(file)
-    overlaps = overlap_words(facts.overlaps) if facts and facts.overlaps and engine == "mujoco" else ()
+    overlaps = overlap_words(facts.overlaps) if facts and facts.overlaps and engine == SURVEYOR else ()
     cause, likely = overlaps[:1], overlaps[1:]  # stated once, with the first failure
     for result in results:
         if isinstance(result, str):
@@ -88,7 +89,7 @@ def judge(
             notes: tuple[str, ...] = (f"the limit: {bound.why}",)
             help = remedy(one.quantity, one.where, facts or Facts())
             if result.spin is not None and one.quantity in _WAYS:
-                why, help = spin_words(result.spin, gains=engine == "mujoco")
+                why, help = spin_words(result.spin, gains=engine == SURVEYOR)
                 notes = (why, *notes)
             diagnostics.add("SB830", message, span, help=(*likely, help), notes=(*cause, *notes))
             cause = likely = ()
@@ -131,7 +132,7 @@ def _judge_grips(engine: str, span: Span, result: Result, bound: Bound, facts: F
             "SB830",
             f"{result.test} in {engine}: {what}",
             span,
-            help=tuple(grip_remedies(grip, facts, gains=engine == "mujoco")),
+            help=tuple(grip_remedies(grip, facts, gains=engine == SURVEYOR)),
             notes=notes,
         )
     return "; ".join(fates)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from math import isfinite
 
+from stepbot.engines import engines
 from stepbot.engines.simulation import Mechanism
 from stepbot.robot.model import ActuatorKind
 
@@ -97,5 +98,9 @@ TESTS: Mapping[str, str] = {
     "stand": "stands, and is pushed",
 }
 """All tests, in the order in which they run, and what the robot does."""
-ENGINES: Mapping[str, str] = {"mujoco": "mjcf", "pybullet": "urdf"}
+ENGINES: Mapping[str, str] = {
+    engine.name: engine.drives for engine in sorted(engines(), key=lambda engine: engine.order) if engine.drives
+}
 """The engines that drive, and the format that each drives."""
+SURVEYOR = next(name for name, driven in ENGINES.items() if driven == "mjcf")
+"""The engine that finds poses and grasps, and that drives with the gains of the model."""

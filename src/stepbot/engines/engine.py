@@ -77,6 +77,8 @@ class Engine(Struct, eq=False):
     """The distribution or module whose version is the engine's; empty for ``name``."""
     title: str = ""
     """Name in prose: ``MuJoCo``; empty for ``name``."""
+    drives: str = ""
+    """The format that drive tests load in it, by ``SIMULATION`` of its module ``simulation``; empty for none."""
 
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
     """By :class:`.observation.Quantity` value, the tolerances that differ from those of the comparison."""

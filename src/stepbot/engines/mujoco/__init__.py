@@ -2,4 +2,6 @@
 
 from ..engine import Engine, installed
 
-ENGINE = Engine(__name__, "mujoco", formats=("urdf", "mjcf"), available=installed("mujoco"), order=10, title="MuJoCo")
+ENGINE = Engine(
+    __name__, "mujoco", formats=("urdf", "mjcf"), available=installed("mujoco"), order=10, title="MuJoCo", drives="mjcf"
+)

@@ -328,3 +328,6 @@ def _weld(engine: Any, spec: Any, name: str, one: str, other: str) -> Any:
         solref=[2.0 * float(spec.option.timestep), 1.0],
         solimp=[0.99, 0.999, 0.0001, 0.5, 2.0],
     )
+
+
+SIMULATION = MujocoSimulation

@@ -25,6 +25,7 @@ ENGINE = Engine(
     order=40,
     install="pip install pybullet-arm64",  # the same module, with wheels for more systems
     title="PyBullet",
+    drives="urdf",
     tolerances={
         # PyBullet converts every inertia to principal axes, by an iteration that stops at products below 1e-6 of the
         # trace, which is up to three times the largest entry.

@@ -349,3 +349,6 @@ class PybulletSimulation:
 def _xyzw(X: Pose) -> tuple[float, float, float, float]:
     w, x, y, z = X.quaternion
     return x, y, z, w
+
+
+SIMULATION = PybulletSimulation
