@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft_robot import infer
+from stepbot.draft.evidence.wheels import rolling
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
@@ -202,3 +203,11 @@ def test_coils_of_valves_turn_on_nothing() -> None:
             group(f"station {n}", part("valve", valve, x, y), part("coil", coil, x, y), part("coil nut", nut, x, y, 48))
         )
     assert joints(inferred(*nodes)) == []
+
+
+def test_four_feet_are_no_wheels() -> None:
+    """Turned on its side, an assembly would stand on the rims of two feet: but all four end on one plane."""
+    plate, leg, foot = box(200, 130, 10).at(0, 0, 105), cylinder(10, 92).at(0, 0, 8), cylinder(12, 8)
+    places = [(x, y) for x in (-95, 95) for y in (-60, 60)]
+    nodes = [part("plate", plate), *(part(*one, x, y) for x, y in places for one in (("foot", foot), ("leg", leg)))]
+    assert not dict(rolling(Survey(assembled(*nodes), ALL_SOURCES)))

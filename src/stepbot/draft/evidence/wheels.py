@@ -187,7 +187,9 @@ def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
         others = [
             i for i, height in zip(drawn, heights.tolist(), strict=True) if height < ground + near and i not in rolling
         ]
-        if survey.total_volume(others) <= _SLIGHT * survey.volume:
+        # More of them than that end along their axes in flat faces on one plane: they stand on it, and are feet.
+        feet = max(Feet(survey).count_beside([i], round_ones[i]) for i in equal)
+        if survey.total_volume(others) <= _SLIGHT * survey.volume and feet <= max(2, len(rolling)):
             yield from ((i, round_ones[i]) for i in rolling)
             return
 
