@@ -32,6 +32,19 @@ def test_axle_turns_in_the_seat() -> None:
     assert found.arcs[0].evidence.through == 5
 
 
+@pytest.mark.parametrize("gap", [0.3, 0.0])
+def test_ring_that_alone_is_between_a_shaft_and_a_bore_is_a_bearing(gap: float) -> None:
+    """What stands on the output of a module turns with it, with a mark; an output that fits its case turns nowhere."""
+    case = box(60, 60, 24).at(0, 0, 12) - cylinder(24, 14).at(0, 0, 6) - cylinder(15.13 + gap, 4).at(0, 0, 20)
+    case -= cylinder(20, 6)
+    output = cylinder(15.13, 19).at(0, 0, 6) + cylinder(28, 6).at(0, 0, 25)
+    module = group("m", part("a", case), part("b", output), part("c", cylinder(24, 14) - cylinder(15.13, 14), z=6))
+    found = inferred(module, part("arm", box(50, 50, 90).at(0, 0, 76)))
+    turning = [arc.evidence for arc in found.arcs if arc.evidence.through >= 0]
+    assert [bool(hinge.review) for hinge in turning] == [True] * bool(gap)
+    assert ({"m/b", "arm"} in links(found)) == bool(gap)
+
+
 def test_two_rods_in_linear_bearings_are_one_slide() -> None:
     """A carriage with two LM8UU on the rods of a frame slides, with a mark; the list of bearings is no link."""
     bush = cylinder(7.5, 24).at(0, 0, -12) - cylinder(4, 24).at(0, 0, -12)

@@ -23,6 +23,8 @@ _RINGS, _IN_ONE = 0.93, 0.98
 """Scores of rings each bolted to another part: above those of a bearing in its seat, and of bodies of one part."""
 _SEATED = 0.87
 """Score of a joint at a bearing."""
+_BETWEEN = 0.79
+"""Score of a joint at a ring that is known as a bearing by its use alone: above a subassembly, and faces."""
 _DISC, _REVIEW = 0.79, "no bolts of the disc are drawn in line with holes of what it carries"
 """Score and review of a disc in the end of a bolted part, with another part on its face alone."""
 _CAGED = 4.0
@@ -51,8 +53,26 @@ class _Seat(Struct, frozen=True, eq=False):
 def bearing_evidence(survey: Survey, evidence: Evidence) -> None:
     """Add the evidence of all bearings."""
     for i, part in survey.parts.items():
-        if _is_bearing(part) and i not in survey.small:
+        if i in survey.small:
+            continue
+        if _is_bearing(part):
             _say(survey, i, evidence)
+        elif part.role is None and _is_between(survey, i):
+            _say(survey, i, evidence, _BETWEEN)
+
+
+def _is_between(survey: Survey, ring: int) -> bool:
+    """Whether a turned ring alone is between a shaft and a bore, which it fits exactly, and which do not touch."""
+    seats = [seat for some in _seats(survey, ring) for seat in some]
+    pair = [seat.part for seat in seats]
+    if len(pair) != 2 or len({*pair} - survey.small) != 2 or any(_is_bearing(survey.parts[i]) for i in pair):
+        return False
+    across = survey.relation(*pair)
+    fits = [fit for seat in seats for fit in seat.relation.shafts]
+    is_pressed = all(fit.full and fit.clearance < _EXACT for fit in fits) and fits[0].shaft != ring == fits[-1].shaft
+    are_pins = all(seat.relation.via == Via.PIN for seat in seats)
+    are_held = across is not None and (across.patches or any(fit.clearance < _EXACT for fit in across.shafts))
+    return is_pressed and are_pins and not are_held
 
 
 @rule(120)
@@ -151,7 +171,7 @@ def _bolted_to(survey: Survey, i: int, axis: Axis | None) -> set[int]:
     return bolted
 
 
-def _say(survey: Survey, bearing: int, evidence: Evidence) -> None:
+def _say(survey: Survey, bearing: int, evidence: Evidence, score: float = _SEATED) -> None:
     inner, outer = _seats(survey, bearing)
     held = next((seat for seat in outer if seat.part not in survey.small), None)
     if held is None or _are_bolted(survey, bearing, held):
@@ -165,6 +185,7 @@ def _say(survey: Survey, bearing: int, evidence: Evidence) -> None:
         assert axis is not None
         path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
         why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
+        why = f"the ring '{path}' alone is between them" if score < _SEATED else why
         review = "" if is_named else "not named as a bearing"
         kind = JointKind.REVOLUTE
         if survey.parts[bearing].is_linear or (is_named and _LINEAR.search(survey.parts[bearing].name)):
@@ -172,7 +193,7 @@ def _say(survey: Survey, bearing: int, evidence: Evidence) -> None:
             kind, review = JointKind.PRISMATIC, "slides in a linear bearing; may turn, too, if nothing else holds it"
         elif is_named and _slides_through(survey, bearing, turning[0]):
             kind, review = JointKind.PRISMATIC, "nothing holds the rod along its plain bearing; it may turn, too"
-        hinge = JointEvidence(_SEATED, a, b, kind, axis, why, held.relation, by_role=is_named, review=review)
+        hinge = JointEvidence(score, a, b, kind, axis, why, held.relation, by_role=is_named, review=review)
         hinge.through = bearing
         evidence.joint(hinge)
 

@@ -302,11 +302,11 @@ class Mechanism:
         return float(self._clusters.find(inner) != hub)
 
     def _hold(self, joint: Joint) -> tuple[float, ...]:
-        """Looseness of a spinning body on one side: the tightest side is not a joint."""
+        """Looseness of a spinning body on one side, most in a bearing: the tightest side is not a joint."""
         h, r = joint.evidence, joint.evidence.relation
         clearance = min((f.clearance for f in r.shafts), default=1.0) if r is not None else 1.0
         tight = round(clearance, 7), round(h.score, 6), -round(r.length if r is not None else 0.0, 6)
-        return not self._structure.are_together(h.a, h.b), *tight
+        return h.through >= 0, not self._structure.are_together(h.a, h.b), *tight
 
     def _spins(self, members: Sequence[int], axis: Axis, most: float) -> bool:
         """Whether a body is symmetric about an axis, and has a share of the volume up to a bound."""
