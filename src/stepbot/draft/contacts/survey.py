@@ -326,10 +326,10 @@ class Survey:
         numbers, boxes = self._boxes
         return [numbers[k] for k in boxes.within(box, reach)[0].tolist()]
 
-    def nearest_boxes(self, box: Array) -> Iterator[tuple[int, float]]:
-        """All parts with a bounding box and its distance [m] from another box (2, 3), the nearest part first."""
-        numbers, boxes = self._boxes
-        return ((numbers[k], gap) for k, gap in boxes.nearest(box))
+    def boxes_of(self, parts: Iterable[int]) -> tuple[list[int], Boxes]:
+        """Those parts that have a bounding box, and these, to search the nearest."""
+        numbers = [i for i in parts if self.parts[i].size]
+        return numbers, Boxes(np.array([self.parts[i].box for i in numbers]).reshape(-1, 2, 3))
 
     def box_of(self, members: Iterable[int]) -> Array:
         """The bounding box (2, 3) [m] of parts."""
@@ -341,10 +341,14 @@ class Survey:
         return self.scene.size_of([part.index for part in drawn], largest(drawn).index) if drawn else 1.0
 
     @cached_property
+    def larger(self) -> tuple[list[int], Boxes]:
+        """The parts that are no fasteners, and their bounding boxes."""
+        return self.boxes_of(i for i in self.parts if i not in self.small)
+
+    @cached_property
     def _boxes(self) -> tuple[list[int], Boxes]:
         """The parts with a bounding box, and these."""
-        numbers = [i for i, part in self.parts.items() if part.size]
-        return numbers, Boxes(np.array([self.parts[i].box for i in numbers]).reshape(-1, 2, 3))
+        return self.boxes_of(self.parts)
 
     @cached_property
     def _screws(self) -> tuple[list[Axis], Array, Boxes]:

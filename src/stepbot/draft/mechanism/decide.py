@@ -4,8 +4,9 @@ A weld joins two clusters unless there is already a joint between them; a joint 
 already joined. Fasteners do not join clusters: they are assigned to their tightest host at the end.
 """
 
+from bisect import bisect_left, bisect_right
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from msgspec import Struct, field
@@ -21,7 +22,7 @@ from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
-from stepbot.draft.parts.parts import largest
+from stepbot.draft.parts.parts import Boxes, largest
 from stepbot.robot.model import JointKind
 
 _TINY = 2e-3
@@ -266,32 +267,36 @@ def _offer_twins(decision: Decision, adopted: Mapping[int, tuple[Sequence[int], 
     survey = decision.survey
     free = {root: members for root, (members, _) in adopted.items() if not survey.small.issuperset(members)}
     floating = {i for members in free.values() for i in members}
-    host = {root: nearest(survey, members, floating) for root, members in free.items()}
-    carrier = {root: decision.clusters.members(part) if part is not None else [] for root, part in host.items()}
-    for root, guess in guesses(survey, free, carrier).items():
-        box, around = survey.box_of(free[root]), survey.box_of(carrier[root])
-        part = host[root]
-        if part is not None and bool(np.any(box[0] < around[0] - _OUT) or np.any(box[1] > around[1] + _OUT)):
-            a, b = free[root][0], part
+    fixed = survey.boxes_of(i for i in survey.parts if i not in survey.small and i not in floating)
+    near = {root: nearest(survey, members, fixed) for root, members in free.items()}
+    host = {root: part for root, part in near.items() if part is not None}
+    on = {root: decision.clusters.find(part) for root, part in host.items()}
+    carriers = {carrier: decision.clusters.members(carrier) for carrier in dict.fromkeys(on.values())}
+    boxes = {carrier: survey.box_of(members) for carrier, members in carriers.items()}
+    for root, guess in guesses(survey, free, on, carriers).items():
+        box, around = survey.box_of(free[root]), boxes[on[root]]
+        if bool(np.any(box[0] < around[0] - _OUT) or np.any(box[1] > around[1] + _OUT)):
+            a, b = free[root][0], host[root]
             offered = JointEvidence(
                 _OFFERED, a, b, guess.kind, guess.axis, guess.why, review=BY_SHAPE, verdict=Verdict.OFFERED
             )
             decision.evidence.joint(offered)
 
 
-def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()) -> int | None:
-    """The larger part nearest to the given ones by its faces, except ``others``; a tie goes to the same subassembly.
+def nearest(survey: Survey, members: Sequence[int], others: tuple[Sequence[int], Boxes] | None = None) -> int | None:
+    """The larger part nearest to the given ones by its faces, of ``others`` if given; a tie goes to the subassembly.
 
     Bounding boxes alone would put a body that stands in an arm's bend or under a chassis into the largest part around.
     """
-    box, inside = survey.box_of(members), {*members, *others}
+    numbers, boxes = others or survey.larger
     home = survey.scene.component(members[0]).parent
     drawn = [i for i in members if survey.parts[i].size]
     best: tuple[float, bool, float, int] | None = None
-    for i, gap in survey.nearest_boxes(box):
+    for k, gap in boxes.nearest(survey.box_of(members)):
+        i = numbers[k]
         if best is not None and round(gap, 3) > best[0]:
             break
-        if i in inside or i in survey.small:
+        if i in members:
             continue
         elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
         gap = round(survey.scene.gap(drawn, i) if drawn else gap, 3)
@@ -315,36 +320,39 @@ class Guess(Struct, frozen=True, eq=False):
 
 
 def guesses(
-    survey: Survey, free: Mapping[int, Sequence[int]], carrier: Mapping[int, Sequence[int]]
+    survey: Survey, free: Mapping[int, Sequence[int]], on: Mapping[int, int], carriers: Mapping[int, Sequence[int]]
 ) -> dict[int, Guess]:
-    """The joints of unconnected bodies that are equal to others, by their keys.
+    """The joints of unconnected bodies that are equal to others on the same carrier, by their keys.
 
     Args:
         free: Parts of each body that is not connected.
-        carrier: For each of them the parts of the nearest other body.
+        on: The key of the nearest other body, for those that have one.
+        carriers: Parts of these other bodies, by their keys.
     """
-    volumes = {key: survey.total_volume(members) for key, members in free.items()}
+    volume = {carrier: survey.total_volume(members) for carrier, members in carriers.items()}
+    beside: defaultdict[tuple[int, int], list[tuple[float, int]]] = defaultdict(list)
+    for key, carrier in on.items():
+        beside[carrier, len(free[key])].append((survey.total_volume(free[key]), key))
     guesses = {}
-    for key, members in free.items():
-        beside = [other for other in free if other != key and set(carrier[other]) == set(carrier[key])]
-        equal = [other for other in beside if _are_equal(free, volumes, key, other)]
-        if equal and survey.total_volume(carrier[key]) > _LARGER * volumes[key] > 0.0:
-            guess = _guess(survey, members, [free[other] for other in equal])
-            if guess is not None:
-                guesses[key] = guess
-    return guesses
+    for (carrier, _), bodies in beside.items():
+        bodies.sort()
+        sizes = [size for size, _ in bodies]
+        for size, key in bodies:
+            first, end = bisect_left(sizes, (1.0 - _EQUAL) * size), bisect_right(sizes, (1.0 + _EQUAL) * size)
+            if end - first > 1 and volume[carrier] > _LARGER * size > 0.0:
+                twins = [free[other] for _, other in bodies[first:end] if other != key] if end - first == 2 else []
+                guess = _guess(survey, free[key], twins[0] if twins else None)
+                if guess is not None:
+                    guesses[key] = guess
+    return {key: guesses[key] for key in free if key in guesses}
 
 
-def _are_equal(free: Mapping[int, Sequence[int]], volumes: Mapping[int, float], one: int, two: int) -> bool:
-    return len(free[one]) == len(free[two]) and abs(volumes[one] - volumes[two]) <= _EQUAL * volumes[one]
-
-
-def _guess(survey: Survey, members: Sequence[int], others: Sequence[Sequence[int]]) -> Guess | None:
+def _guess(survey: Survey, members: Sequence[int], twin: Sequence[int] | None) -> Guess | None:
     part = largest([survey.parts[i] for i in members])
     for axis in survey.turned.get(part.index, [])[:3]:
         if part.is_balanced(axis):
             return Guess(JointKind.REVOLUTE, axis, "one of several equal round bodies that nothing holds")
-    along = direction_between(survey, members, others[0]) if len(others) == 1 else None
+    along = direction_between(survey, members, twin) if twin is not None else None
     if along is None:
         return None
     return Guess(

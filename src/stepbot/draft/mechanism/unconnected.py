@@ -56,7 +56,7 @@ class LooseEnds:
         standing = [r for r in loose if self._stands_alone(groups[r])]
         named = [r for r in loose if r not in standing and {Role.WHEEL, Role.JAW} & self._roles(groups[r])]
         near = {r: self._nearest_cluster(groups[r], root) for r in loose}
-        shaped = guesses(self._survey, {r: groups[r] for r in loose}, {r: groups[near[r]] for r in loose})
+        shaped = guesses(self._survey, {r: groups[r] for r in loose}, near, {r: groups[r] for r in near.values()})
         for r in dict.fromkeys((*standing, *named, *shaped)):
             other = near[r]
             guess = self._by_name(groups, r, other, standing + named)

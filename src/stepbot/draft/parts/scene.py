@@ -125,6 +125,7 @@ class Scene:
         self._bodies = np.array([c.body for c in placed], dtype=np.int64)
         self._turned = np.array([c.X_WC.R for c in placed]).reshape(-1, 3, 3)
         self._moved = np.array([c.X_WC.p for c in placed]).reshape(-1, 3)
+        self._turns = [turn.tobytes() for turn in np.rint(self._turned / _EQUAL_POSE).astype(np.int64)]
 
     def component(self, part: int) -> Component:
         """The component with an index."""
@@ -267,8 +268,7 @@ class Scene:
     def shifted(self, pairs: Sequence[tuple[int, int]]) -> Iterator[tuple[tuple[int, int], bytes]]:
         """:meth:`arranged`, with keys that differ for pairs which are turned in the assembly."""
         for (one, other), key in self.arranged(pairs):
-            turned = np.rint(self._turned[self._row[one]] / _EQUAL_POSE).astype(np.int64)
-            yield (one, other), turned.tobytes() + key
+            yield (one, other), self._turns[self._row[one]] + key
 
     def arrangement(self, one: int, others: Sequence[int]) -> bytes:
         """A key that is equal for equal definitions at equal poses relative to one of them."""
