@@ -151,6 +151,21 @@ def test_a_rod_slides_in_its_barrel_between_two_pins_across_it(gland: float) -> 
     assert [kind for kind, *_ in joints(found) if kind == "prismatic"] == ["prismatic"]
 
 
+@pytest.mark.parametrize("play", [0.05, 0.0])
+def test_a_rod_in_an_eye_of_its_own_slides_in_its_barrel(play: float) -> None:
+    """A damper's rod fits exactly in the eye that it is pressed in; one that also fills the barrel holds both."""
+    y = (-pi / 2, 0.0, 0.0)
+    barrel = turned(cylinder(11, 59), 0, 9, 0, y) + box(16, 17, 15).at(0, 0.5, 0)
+    barrel = cut(barrel, turned(cylinder(8, 30), 0, 15, 0, y), turned(cylinder(5 + play, 30), 0, 45, 0, y))
+    eye = cut(box(16, 36, 20).at(0, 90, 2.5), turned(cylinder(5, 24), 0, 72, 0, y))
+    barrel, eye = barrel - cylinder(3, 40).at(0, 0, -20), eye - cylinder(3, 40).at(0, 100, -20)
+    rod = part("rod", turned(cylinder(5, 66), 0, 30, 0, y))
+    base, beam = bar(0, 0, 80, 0, 10) + box(202, 120, 5).at(-107, 0, 10), bar(0, 100, 80, 0, 15)
+    found = inferred(part("base", base), part("barrel", barrel), rod, part("eye", eye), part("beam", beam))
+    assert ("prismatic" in {kind for kind, *_ in joints(found)}) == bool(play)
+    assert any({"rod", "eye"} <= link for link in links(found))
+
+
 @pytest.mark.parametrize(("land", "kind"), [(10, "prismatic"), (44, "revolute")])
 def test_a_short_head_with_room_in_its_bore_slides(land: float, kind: str) -> None:
     """A piston, without a loop that needs it, is marked; a head that fills its bore turns in it."""

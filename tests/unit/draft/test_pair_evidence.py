@@ -171,9 +171,9 @@ def test_an_axle_is_no_ring_of_its_wheel() -> None:
     assert joints(found) == [("revolute", "arm", "road wheel")]
 
 
-@pytest.mark.parametrize(("screws", "play", "count"), [(2, 0.0, 1), (1, 0.0, 2), (2, 0.4, 1)])
+@pytest.mark.parametrize(("screws", "play", "count"), [(2, 0.0, 1), (1, 0.0, 2), (2, 0.4, 1), (2, -0.5, 1)])
 def test_two_screws_through_a_gap_hold_two_plates(screws: int, play: float, count: int) -> None:
-    """Plates on two screws with spacers between them are one link, though they do not touch, also with play."""
+    """Plates on two screws with spacers between them are one link, though they do not touch; also in tapped holes."""
     holes = [(-20.0, 0.0), (20.0, 0.0)][:screws]
     screw = cylinder(3 - play, 40).at(0, 0, -10) + cylinder(5, 6).at(0, 0, 30)
     spacer = cylinder(5, 20) - cylinder(3.1, 20)
@@ -183,6 +183,19 @@ def test_two_screws_through_a_gap_hold_two_plates(screws: int, play: float, coun
     survey, found = Survey(assembled(*nodes), ALL_SOURCES), Evidence()
     screwed_evidence(survey, found)
     assert len(found.welds) == 2 - count
+
+
+@pytest.mark.parametrize("screws", [0, 2])
+def test_screws_in_tapped_holes_hold_a_case_in_its_bore(screws: int) -> None:
+    """The flange of a case is on the block that it is screwed to, with screws drawn wider than their tapped holes."""
+    block = box(80, 80, 40).at(0, 0, 20) - cylinder(20, 40)
+    case = cylinder(20, 40) + cylinder(32, 4).at(0, 0, 40) + box(10, 10, 20).at(5, 0, 54)
+    nodes = []
+    for x in (-26.0, 26.0)[:screws]:
+        block, case = block - cylinder(2.5, 20).at(x, 0, 20), case - cylinder(3.3, 4).at(x, 0, 40)
+        nodes.append(part("M6x16 screw", cylinder(3, 16).at(0, 0, 28) + cylinder(5, 6).at(0, 0, 44), x))
+    found = inferred(part("block", block), part("case", case), *nodes)
+    assert len(joints(found)) == (0 if screws else 1)
 
 
 def test_tube_in_a_tube_slides() -> None:

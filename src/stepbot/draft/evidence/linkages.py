@@ -193,11 +193,13 @@ class _Linkages:
 
     def _is_piston(self, h: Hinge, tree: Sequence[Hinge]) -> bool:
         """Whether one side is a shaft that is long in the other, or a rod in a barrel, with a pin across each."""
-        r = self._survey.relation(h.a, h.b)
-        if r is None or r.via != Via.PIN or r.freedom.kind != FreedomKind.CYLINDRICAL:
-            return False
         pinned = {body for k in tree if not k.slides and _intersect(h.axis, k.axis) for body in self._ends(k)}
-        return r.guided > _GUIDED * r.radius or pinned.issuperset(self._ends(h))
+        are_pinned, r = pinned.issuperset(self._ends(h)), self._survey.relation(h.a, h.b)
+        if r is None:  # the rod, with play in one of them, is a part of its own
+            rods = {i for pivot in self._pivots if pivot.axis.same(h.axis) for i in pivot.axles} - self._survey.small
+            return are_pinned and any(near.journals for i in rods for near in self._survey.near.get(i, ()))
+        is_sliding = r.via == Via.PIN and r.freedom.kind == FreedomKind.CYLINDRICAL
+        return is_sliding and (r.guided > _GUIDED * r.radius or are_pinned)
 
     def _keep_axles(self, axes: Sequence[Axis]) -> None:
         """Weld each pin of a joint to the part that it fits most tightly: it is no link that turns in both."""

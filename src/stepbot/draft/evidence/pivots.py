@@ -21,7 +21,7 @@ from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 from stepbot.step.features.axes import ANGLE_TOLERANCE
-from stepbot.step.features.axis_contacts import LOOSEST, SLACK_SHARE, TIGHTEST
+from stepbot.step.features.axis_contacts import ENGAGED, LOOSEST, SLACK_SHARE, TIGHTEST
 from stepbot.step.features.coaxial import Rays, coaxial
 
 _AXLE = 0.05
@@ -30,11 +30,13 @@ _CLIP, _RING = 2e-3, 2.5
 """The same for an open ring, and its outer radius in radii of its bore."""
 _HOLE, _WIDEST_HOLE = 0.17, 7e-3
 """Clearance of the medium hole for a screw (ISO 273), as a share of its radius; the radius [m] of the widest."""
+_THREAD = 0.285
+"""Interference of a screw drawn as wide as its thread in the hole that it is tapped in (ISO 724), likewise."""
 _REVIEW = "bores that alternate along one line: a hinge, unless something else holds it"
 _SCORE = 0.91
 """Above that of faces that lock two parts: a closed lid lies on its box."""
-_SCREWED = 0.74
-"""Score of the weld of parts that screws reach through, with spacers between."""
+_SCREWED = 0.89
+"""Score of the weld of parts that several screws reach through: above that of a bearing."""
 _KNUCKLES = 4
 """Number of bores that alternate, from which they are knuckles and not a fork with a bolt."""
 _FORK = 3
@@ -91,14 +93,14 @@ def in_holes(survey: Survey, screw: int, axis: Axis) -> list[int]:
     return [i for line in on for i in _holes_around(survey, screw, line)]
 
 
-def _holes_around(survey: Survey, screw: int, line: CoaxialLine) -> Iterator[int]:
-    """The larger parts that a screw on a line goes through with the clearance of its hole."""
+def _holes_around(survey: Survey, screw: int, line: CoaxialLine, interference: float = 0.0) -> Iterator[int]:
+    """The larger parts that a screw on a line goes through with the clearance of its hole, or an interference."""
     shanks = [f for f in line.faces[screw] if not f.bore and not f.cone]
     for i, faces in line.faces.items():
         bores = [f for f in faces if f.bore and f.span > HALF_ROUND and i not in survey.small]
         if any(
-            0.0 < bore.radius - shank.radius < _HOLE * bore.radius
-            and min(bore.high, shank.high) > max(bore.low, shank.low)
+            -interference * bore.radius < bore.radius - shank.radius < _HOLE * bore.radius
+            and min(bore.high, shank.high) - max(bore.low, shank.low) >= ENGAGED
             for bore in bores
             for shank in shanks
         ):
@@ -233,16 +235,21 @@ def _other_lines(survey: Survey, line: CoaxialLine, a: int, b: int) -> bool:
     return relation is not None and any(not fit.axis.same(line.axis) for fit in relation.fits)
 
 
-@rule(90)
-def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
-    """Two parts that do not touch, with several screws through both, are one: spacers or gaskets are between them."""
-    through: dict[tuple[int, int], list[Axis]] = defaultdict(list)
+def screwed(survey: Survey) -> dict[Pair, list[Axis]]:
+    """The lines of the screws that are through or in two parts each."""
+    through: dict[Pair, list[Axis]] = defaultdict(list)
     for line in survey.contacts.lines:
         for screw in sorted(survey.small.intersection(line.faces)):
             fitted = {other for other, r in survey.around(screw) if any(f.axis.same(line.axis) for f in r.shafts)}
-            for pair in combinations(sorted(fitted.union(_holes_around(survey, screw, line))), 2):
+            for pair in combinations(sorted(fitted.union(_holes_around(survey, screw, line, _THREAD))), 2):
                 if not any(line.axis.same(axis) for axis in through[pair]):
                     through[pair].append(line.axis)
-    for (a, b), axes in through.items():
-        if len(axes) > 1 and survey.relation(a, b) is None:
-            evidence.weld(_SCREWED, a, b, f"{len(axes)} screws through both, with a gap between them")
+    return through
+
+
+@rule(90)
+def screwed_evidence(survey: Survey, evidence: Evidence) -> None:
+    """Two parts with several screws through or in both are one, also across spacers or gaskets."""
+    for (a, b), axes in screwed(survey).items():
+        if len(axes) > 1:
+            evidence.weld(_SCREWED, a, b, f"{len(axes)} screws through both")
