@@ -297,6 +297,16 @@ def test_block_on_a_pin_slides_in_its_channel() -> None:
     assert (1, 2) not in channel_and_block(0.1, part("lug", box(10, 10, 10).at(25, 7.5, 0))).captured
 
 
+@pytest.mark.parametrize(("count", "slides"), [(2, 2), (3, 0)])
+def test_what_is_in_a_row_on_a_rail_is_clipped_to_it(count: int, slides: int) -> None:
+    """Two carriages may slide on a rail; of three that could not pass each other, as terminals, none does."""
+    rail = box(400, 40, 20) - box(400, 20, 10) - box(400, 10, 6).at(0, 0, 7.5)
+    block = box(30, 19.8, 9.8) + box(30, 9.8, 8).at(0, 0, 8) + box(30, 30, 40).at(0, 0, 31)
+    blocks = [part(f"block {n}", block, x=-120.0 + 70.0 * n) for n in range(count)]
+    found = inferred(part("rail", rail), *blocks)
+    assert [kind for kind, *_ in joints(found)] == ["prismatic"] * slides
+
+
 def test_bodies_of_a_linear_actuator_are_one_case_and_its_piston_slides() -> None:
     """Also where the rod is as thick as the bore of the head: motor and head go with the tube."""
     tube = cylinder(19, 200) - cylinder(15, 180).at(0, 0, 20)

@@ -4,8 +4,9 @@ A loop of joints that is drawn as a mechanism moves. If its axes do not let it, 
 on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
 
 Some joints of the last links are none. An assembly that is drawn with its screws shows what keeps a pin in its bore;
-where nothing does, it is screwed, pressed or glued in. A short plug in a tube is no piston, and what is tiny in a slot
-is a key. A bracket on one screw is clamped if its loops move without turning it.
+where nothing does, it is screwed, pressed or glued in. A short plug in a tube is no piston, what is tiny in a slot is a
+key, and what is in a row on a rail is clipped to it. A bracket on one screw is clamped if its loops move without
+turning it.
 
 A rod with a ball joint at each end can spin about its own axis, which moves nothing else: the end nearer to the root is
 drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
@@ -30,7 +31,7 @@ from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions, 
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
-from stepbot.geometry.spatial import perpendicular_frame, unit
+from stepbot.geometry.spatial import Array, perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 REVIEW = "without it a loop of joints could not move"
@@ -42,7 +43,8 @@ _MOST = 12
 
 _HELD, _SCREWED, _KEY, _STAR = 0.9, 6, 1e-3, 3
 """Score of the weld of sides that something holds; number of screws from which an assembly is drawn with them; share of
-the assembly's volume up to which what is captured in a slot is a key; number of equal bodies that nuts hold, at least.
+the assembly's volume up to which what is captured in a slot is a key; number of equal bodies that nuts hold, and of
+bodies in a row on a rail, at least.
 """
 _BESIDE = 1e-3
 """Distance [m] of boxes up to which a nut or a clip may hold a part."""
@@ -52,6 +54,7 @@ _STUCK = "nothing keeps one in the other: screwed, pressed or glued in"
 _PLUG = "a round plug or insert in its bore"
 _KEYED = "a key in its slot"
 _BOLTED = "bolts on several parallel lines"
+_ON_RAIL = "one of several on a rail, none of which could pass the others"
 _NUTS = "a nut or screw on their line; nothing else moves"
 _CLAMPED = "one screw clamps both: their loops move without turning them"
 
@@ -111,6 +114,7 @@ def held_joints(
         last = [links[n] for n in (arc.parent, arc.child) if ends[n] == 1 and moved.isdisjoint(links[n])]
         if last and not h.of_linkage and (why := _holder(survey, h, sides, last)):
             held[h.a, h.b, str(h.type)] = why
+    held |= {(h.a, h.b, str(h.type)): _ON_RAIL for h in _on_rails(survey, doubted, links, ends)}
     if not held and _is_star(survey, arcs, links, ends):
         return {(arc.evidence.a, arc.evidence.b, str(arc.evidence.type)): _NUTS for arc in arcs}
     return held or {(h.a, h.b, str(h.type)): _CLAMPED for h in _clamped(survey, arcs, ends)}
@@ -175,6 +179,29 @@ def _is_fastened(survey: Survey, axis: Axis, members: Collection[int], last: Seq
         for i in sorted(members)
         for r in survey.near.get(i, ())
     )
+
+
+def _on_rails(
+    survey: Survey, doubted: Sequence[TreeJoint], links: Sequence[Sequence[int]], ends: Mapping[int, int]
+) -> list[JointEvidence]:
+    """Slides of last links that one part guides in a row, where none could pass the others: clipped to a rail."""
+    rows: dict[int, list[tuple[JointEvidence, tuple[Array, Array]]]] = defaultdict(list)
+    for arc in doubted:
+        h = arc.evidence
+        last = next(links[n] for n in (arc.parent, arc.child) if ends[n] == 1)
+        if h.type == JointKind.PRISMATIC and (h.a, h.b) in survey.captured:
+            box = np.array([survey.scene.span(h.a if h.a in last else h.b, d) for d in perpendicular_frame(h.axis.d).T])
+            rows[h.b if h.a in last else h.a].append((h, (box[:2, 0], box[:2, 1])))
+    return [
+        h
+        for row in rows.values()
+        for h, (low, high) in row
+        if sum(
+            h.axis.is_along(k.axis.d) and bool((np.minimum(high, end) > np.maximum(low, start)).all())
+            for k, (start, end) in row
+        )
+        >= _STAR
+    ]
 
 
 def _is_star(
