@@ -41,8 +41,6 @@ from stepbot.step.assembly import Assembly
 
 _FEWEST_TRIES, _TRIED_PARTS = 3, 4000
 """Joints that are tried in loops that cannot move: at least, and the parts of all tries together."""
-
-
 _MOST_HELD = 6
 """Number of times that joints which are none are left out: others may be the last ones then."""
 

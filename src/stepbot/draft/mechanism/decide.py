@@ -284,11 +284,11 @@ def _offer_twins(decision: Decision, adopted: Mapping[int, tuple[Sequence[int], 
 
 
 def nearest(survey: Survey, members: Sequence[int], others: tuple[Sequence[int], Boxes] | None = None) -> int | None:
-    """The larger part nearest to the given ones by its faces, of ``others`` if given; a tie goes to the subassembly.
+    """The larger part, of ``others`` if given, nearest to some parts by its faces; a tie goes to their subassembly.
 
     Bounding boxes alone would put a body that stands in an arm's bend or under a chassis into the largest part around.
     """
-    numbers, boxes = others or survey.larger
+    (numbers, boxes), inside = others or survey.larger, set(members)
     home = survey.scene.component(members[0]).parent
     drawn = [i for i in members if survey.parts[i].size]
     best: tuple[float, bool, float, int] | None = None
@@ -296,7 +296,7 @@ def nearest(survey: Survey, members: Sequence[int], others: tuple[Sequence[int],
         i = numbers[k]
         if best is not None and round(gap, 3) > best[0]:
             break
-        if i in members:
+        if i in inside:
             continue
         elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
         gap = round(survey.scene.gap(drawn, i) if drawn else gap, 3)
