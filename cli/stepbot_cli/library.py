@@ -135,8 +135,8 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
         written = [] if diagnostics.has_errors else sorted(files)
         return write_document({"output": folder.as_posix(), "files": written}, diagnostics)
     if diagnostics.has_errors:
-        write_verdict(f"{robot.short_name}: not exported", diagnostics, display, then)
-        show_diagnostics(diagnostics, display, after_verdict=display.shows_results)
+        after_verdict = write_verdict(f"{robot.short_name}: not exported", diagnostics, display, then)
+        show_diagnostics(diagnostics, display, after_verdict=after_verdict)
     else:
         write_result("\n".join((folder / name).as_posix() for name in files))
         write_result(f"next: stepbot view {shlex.quote((folder / robot.sidecar.name).as_posix())}")

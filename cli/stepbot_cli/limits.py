@@ -28,6 +28,8 @@ _SOON = 0.01
 """Seconds until a signal that came while a native module was being initialized is handled."""
 _AGAIN = 1.0
 """Processor time [s] after which an exception that was caught is raised again."""
+_NEAR = 0.9
+"""Share of the memory limit that was reserved at some time where it may have been exhausted."""
 
 
 @contextmanager
@@ -145,12 +147,23 @@ def _within_memory(size: int) -> Iterator[None]:
         return
     before, most = resource.getrlimit(resource.RLIMIT_AS)
     allowed = size + pages * resource.getpagesize()
-    bounds = [one for one in (allowed, before, most) if one != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_AS, (min(bounds), most))
+    limit = min(one for one in (allowed, before, most) if one != resource.RLIM_INFINITY)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, most))
     try:
         yield
+    except SystemError as error:  # of a native module without an exception: for want of memory, or a bug of it
+        if _peak() < _NEAR * limit:
+            raise
+        raise MemoryError from error
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (before, most))
+
+
+def _peak() -> int:
+    """The largest address space [bytes] that this process had."""
+    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    (size,) = (line.split()[1] for line in status.splitlines() if line.startswith("VmPeak:"))
+    return 1024 * int(size)
 
 
 def _exceeded(reason: str, help: str) -> StepbotError:

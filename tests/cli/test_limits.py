@@ -73,6 +73,21 @@ def test_memory_of_the_command_itself_is_bounded() -> None:
         assert len(bytearray(few)) == few
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of address space, and its size, are Linux's")
+def test_a_native_module_that_fails_at_the_limit_is_out_of_memory() -> None:
+    """There it may return without an exception; far from the limit that is an error of its own."""
+    failure, far = "error return without exception set", 1 << 40
+
+    def fail(taken: int) -> None:
+        bytearray(taken)
+        raise SystemError(failure)
+
+    with pytest.raises(SystemError, match=failure), bounded(Options(Path(), memory_limit=far)):
+        fail(0)
+    with pytest.raises(StepbotError, match="out of memory"), bounded(Options(Path(), memory_limit=1 << 30)):
+        fail((1 << 30) - (64 << 20))
+
+
 @pytest.mark.skipif(not can_fork(), reason="without forks one process makes all inputs")
 def test_inputs_that_are_done_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """In whatever process; other processes of the run see the count, and nothing is left of it."""

@@ -1,9 +1,13 @@
 """Pairs of equal parts that are placed alike are looked at once: each has what it has alone."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.inference import infer_mechanism
+from stepbot.draft.parts.parts import Boxes
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
 from tests.assembled import Node, assembled, part
@@ -67,3 +71,22 @@ def test_slides_are_those_of_the_machine_alone(together: Survey, number: int) ->
     assert slide.axis.same(alone.captured[3, 4].axis)
     assert slide.has_play
     assert slide.axis.is_along(np.array([0.0, 1.0, 0.0]))
+
+
+def test_work_for_loose_parts_grows_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of 576 and of 1,600 looks for what may carry it among few boxes, though none of the others may."""
+    seen: list[int] = []
+    nearest = Boxes.nearest
+
+    def counted(self: Boxes, box: Array) -> Iterator[tuple[int, float]]:
+        for row in nearest(self, box):
+            seen.append(row[0])
+            yield row
+
+    monkeypatch.setattr(Boxes, "nearest", counted)
+    work = []
+    for side in (24, 40):
+        seen.clear()
+        infer_mechanism(assembled(*(part("plate", PLATE, 120 * x, 120 * y) for x in range(side) for y in range(side))))
+        work.append(len(seen))
+    assert 0 < work[0] < work[1] < 4 * work[0]

@@ -58,7 +58,7 @@ def bearing_evidence(survey: Survey, evidence: Evidence) -> None:
         if _is_bearing(part):
             _say(survey, i, evidence)
         elif part.role is None and _is_between(survey, i):
-            _say(survey, i, evidence, _BETWEEN)
+            _say(survey, i, evidence, is_known=False)
 
 
 def _is_between(survey: Survey, ring: int) -> bool:
@@ -171,7 +171,7 @@ def _bolted_to(survey: Survey, i: int, axis: Axis | None) -> set[int]:
     return bolted
 
 
-def _say(survey: Survey, bearing: int, evidence: Evidence, score: float = _SEATED) -> None:
+def _say(survey: Survey, bearing: int, evidence: Evidence, *, is_known: bool = True) -> None:
     inner, outer = _seats(survey, bearing)
     held = next((seat for seat in outer if seat.part not in survey.small), None)
     if held is None or _are_bolted(survey, bearing, held):
@@ -185,7 +185,7 @@ def _say(survey: Survey, bearing: int, evidence: Evidence, score: float = _SEATE
         assert axis is not None
         path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
         why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
-        why = f"the ring '{path}' alone is between them" if score < _SEATED else why
+        why = why if is_known else f"the ring '{path}' alone is between them"
         review = "" if is_named else "not named as a bearing"
         kind = JointKind.REVOLUTE
         if survey.parts[bearing].is_linear or (is_named and _LINEAR.search(survey.parts[bearing].name)):
@@ -193,6 +193,7 @@ def _say(survey: Survey, bearing: int, evidence: Evidence, score: float = _SEATE
             kind, review = JointKind.PRISMATIC, "slides in a linear bearing; may turn, too, if nothing else holds it"
         elif is_named and _slides_through(survey, bearing, turning[0]):
             kind, review = JointKind.PRISMATIC, "nothing holds the rod along its plain bearing; it may turn, too"
+        score = _SEATED if is_known else _BETWEEN
         hinge = JointEvidence(score, a, b, kind, axis, why, held.relation, by_role=is_named, review=review)
         hinge.through = bearing
         evidence.joint(hinge)

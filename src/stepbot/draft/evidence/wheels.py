@@ -45,6 +45,8 @@ _SHARE = 0.2
 """Share of a link's volume from which a wheel in it makes it one."""
 _TYRE, _THIN, _COVERED = 0.92, 0.5, 0.75
 """Score of the weld of a tyre; least shares of its outer radius, and of both widths, that its bore and its fit have."""
+_PAIR = 2
+"""Number of feet on one plane that wheels may have beside them, though no more wheels roll."""
 _LEAST = 1e-3
 """Share of the assembly's volume from which a round body may be a wheel."""
 
@@ -189,7 +191,7 @@ def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
         ]
         # More of them than that end along their axes in flat faces on one plane: they stand on it, and are feet.
         feet = max(Feet(survey).count_beside([i], round_ones[i]) for i in equal)
-        if survey.total_volume(others) <= _SLIGHT * survey.volume and feet <= max(2, len(rolling)):
+        if survey.total_volume(others) <= _SLIGHT * survey.volume and feet <= max(_PAIR, len(rolling)):
             yield from ((i, round_ones[i]) for i in rolling)
             return
 

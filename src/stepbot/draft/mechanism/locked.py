@@ -48,6 +48,8 @@ bodies in a row on a rail, at least.
 """
 _BESIDE = 1e-3
 """Distance [m] of boxes up to which a nut or a clip may hold a part."""
+_STEPPED = 1.5
+"""Guided length of a shaft, in lengths of its longest fit, from which several faces of it are guided, as of a rod."""
 _LINE, _LINES = 0.4, 3
 """Score of a further line between two links, at least, and the number of these from which they are of bolts."""
 _STUCK = "nothing keeps one in the other: screwed, pressed or glued in"
@@ -79,13 +81,13 @@ def missing_joints(
         and link_of.get(h.a, -1) == link_of.get(h.b, -2)
     ]
     inside.sort(key=lambda h: (-round(h.score, 6), h.a, h.b))
-    return list(dict.fromkeys((h.a, h.b, str(h.type)) for h in inside))[:_MOST]
+    return list(dict.fromkeys(_key(h) for h in inside))[:_MOST]
 
 
 def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
     """Let needed joints come before the evidence against them; each with what to review."""
     for h in evidence.joints:
-        review = needed.get((h.a, h.b, str(h.type)))
+        review = needed.get(_key(h))
         if review is not None:
             h.priority, h.score, h.review = Priority.NEEDED, max(h.score, _SCORE), review
 
@@ -108,20 +110,27 @@ def held_joints(
     for arc in arcs:
         h = arc.evidence
         if _is_doubtful(h) and not h.of_linkage and _are_bolted(h, links[arc.parent], links[arc.child], offered):
-            held[h.a, h.b, str(h.type)] = _BOLTED
+            held[_key(h)] = _BOLTED
+    slides: list[tuple[JointEvidence, Sequence[int]]] = []
     for arc in doubted:
         h, sides = arc.evidence, [links[n] for n in (arc.parent, arc.child)]
         last = [links[n] for n in (arc.parent, arc.child) if ends[n] == 1 and moved.isdisjoint(links[n])]
         if last and not h.of_linkage and (why := _holder(survey, h, sides, last)):
-            held[h.a, h.b, str(h.type)] = why
-    held |= {(h.a, h.b, str(h.type)): _ON_RAIL for h in _on_rails(survey, doubted, links, ends)}
+            held[_key(h)] = why
+        if last and h.type == JointKind.PRISMATIC and (h.a, h.b) in survey.captured:
+            slides.append((h, last[0]))
+    held |= {_key(h): _ON_RAIL for h in _on_rails(survey, slides)}
     if not held and _is_star(survey, arcs, links, ends):
-        return {(arc.evidence.a, arc.evidence.b, str(arc.evidence.type)): _NUTS for arc in arcs}
-    return held or {(h.a, h.b, str(h.type)): _CLAMPED for h in _clamped(survey, arcs, ends)}
+        return {_key(arc.evidence): _NUTS for arc in arcs}
+    return held or {_key(h): _CLAMPED for h in _clamped(survey, arcs, ends)}
+
+
+def _key(h: JointEvidence) -> JointKey:
+    return h.a, h.b, str(h.type)
 
 
 def _is_doubtful(h: JointEvidence) -> bool:
-    """Whether a drafted joint has neither a motor, a bearing or a gear, nor an answer or a loop that needs it."""
+    """Whether a drafted joint has neither a motor, a bearing, a gear or rollers, nor a fact or an answer."""
     is_stronger = h.drives or h.by_role or h.is_geared or h.of_roller or h.priority == Priority.STATED
     return h.score >= CHOSEN and not is_stronger
 
@@ -153,7 +162,11 @@ def _is_plug(survey: Survey, r: Relation, axis: Axis, members: Sequence[int]) ->
     """Whether a link is a turned shaft that ends in its bore, or hardly out of it: no rod moves it, nor does it one."""
     shaft = max(r.shafts, key=lambda fit: fit.length)
     larger = [i for i in members if i not in survey.small]
-    if larger != [shaft.shaft] or not survey.parts[shaft.shaft].is_balanced(axis) or shaft.guided > 1.5 * shaft.length:
+    if (
+        larger != [shaft.shaft]
+        or not survey.parts[shaft.shaft].is_balanced(axis)
+        or shaft.guided > _STEPPED * shaft.length
+    ):
         return False
     (start, end), (low, high) = (survey.scene.span(i, axis.d) for i in (shaft.shaft, r.other(shaft.shaft)))
     return max(low - start, end - high) < shaft.length
@@ -181,17 +194,13 @@ def _is_fastened(survey: Survey, axis: Axis, members: Collection[int], last: Seq
     )
 
 
-def _on_rails(
-    survey: Survey, doubted: Sequence[TreeJoint], links: Sequence[Sequence[int]], ends: Mapping[int, int]
-) -> list[JointEvidence]:
+def _on_rails(survey: Survey, slides: Sequence[tuple[JointEvidence, Sequence[int]]]) -> list[JointEvidence]:
     """Slides of last links that one part guides in a row, where none could pass the others: clipped to a rail."""
-    rows: dict[int, list[tuple[JointEvidence, tuple[Array, Array]]]] = defaultdict(list)
-    for arc in doubted:
-        h = arc.evidence
-        last = next(links[n] for n in (arc.parent, arc.child) if ends[n] == 1)
-        if h.type == JointKind.PRISMATIC and (h.a, h.b) in survey.captured:
-            box = np.array([survey.scene.span(h.a if h.a in last else h.b, d) for d in perpendicular_frame(h.axis.d).T])
-            rows[h.b if h.a in last else h.a].append((h, (box[:2, 0], box[:2, 1])))
+    rows: dict[int, list[tuple[JointEvidence, Array]]] = defaultdict(list)
+    for h, last in slides:
+        body, rail = (h.a, h.b) if h.a in last else (h.b, h.a)
+        across = perpendicular_frame(h.axis.d)[:, :2].T
+        rows[rail].append((h, np.array([survey.scene.span(body, d) for d in across]).T))
     return [
         h
         for row in rows.values()
